@@ -519,10 +519,7 @@ fn shells_complete_names_and_not_files() {
         "ask.sh",
         format!("COMP_WORDS=(scaleproof capture --source \"$1\")\nCOMP_CWORD=3\n{script}{ask}"),
     );
-    for (typed, names) in [
-        ("", "camera http:// rtsp:// watch: video: replay: upload"),
-        ("re", "replay:"),
-    ] {
+    for (typed, names) in [("", "camera http:// rtsp:// watch: replay: upload"), ("re", "replay:")] {
         let output = std::process::Command::new("bash")
             .arg(&asked)
             .arg(typed)
@@ -531,13 +528,10 @@ fn shells_complete_names_and_not_files() {
         assert_eq!(stdout(&output).trim(), names, "{}", stderr(&output));
     }
     for (shell, words) in [
-        (
-            "zsh",
-            "SOURCE:(camera http\\:// rtsp\\:// watch\\: video\\: replay\\: upload)",
-        ),
+        ("zsh", "SOURCE:(camera http\\:// rtsp\\:// watch\\: replay\\: upload)"),
         (
             "fish",
-            "-r -f -a \"camera\\t''\nhttp://\\t''\nrtsp://\\t''\nwatch:\\t''\nvideo:\\t''\nreplay:\\t''\nupload\\t''\"",
+            "-r -f -a \"camera\\t''\nhttp://\\t''\nrtsp://\\t''\nwatch:\\t''\nreplay:\\t''\nupload\\t''\"",
         ),
     ] {
         let script = stdout(&run(&["completions", shell]));

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use scaleproof_core::files::environment;
 
-use crate::common::{HANG, assert_refused, home, kills, program, read_json, stderr, stdout, write_program};
+use crate::common::{HANG, assert_refused, home, kills, program, read_json, stderr, write_program};
 
 fn walk(name: &str) -> PathBuf {
     home().join("captures/walk").join(name)
@@ -16,13 +16,17 @@ fn walk(name: &str) -> PathBuf {
 
 /// `session from-video` with the stored scene and camera.
 fn from_video(video: &Path, variant: &str, session: &Path) -> Command {
+    with_camera(video, &walk("camera.yaml"), variant, session)
+}
+
+fn with_camera(video: &Path, camera: &Path, variant: &str, session: &Path) -> Command {
     let mut command = program();
     command.args(["session", "from-video"]).arg(video);
     command
         .arg("--scene")
         .arg(walk("scene.toml"))
         .arg("--camera")
-        .arg(walk("camera.yaml"));
+        .arg(camera);
     command
         .args(["--variant", variant, "--place", "table", "--json", "-o"])
         .arg(session);
@@ -101,12 +105,6 @@ fn a_walk_becomes_a_session_of_all_views_and_a_second_one_its_pairs() {
             .iter()
             .all(|photo| photo["frame"]["sha256"].as_str().unwrap().len() == 64)
     );
-    let hidden = std::fs::read_dir(&session).unwrap().flatten();
-    assert!(
-        !hidden
-            .into_iter()
-            .any(|entry| entry.file_name().to_string_lossy().ends_with(".journal"))
-    );
     let again = from_video(&walk("random.mp4"), "random", &session).output().unwrap();
     let sentence = String::from_utf8_lossy(&again.stderr).into_owned();
     assert!(
@@ -130,96 +128,6 @@ fn a_walk_becomes_a_session_of_all_views_and_a_second_one_its_pairs() {
         stderr(&done)
     );
     assert_eq!(photos(), before);
-}
-
-/// The stored walk, taken as a running camera's frames are.
-fn captured(video: &Path, camera: &Path, session: &Path) -> Command {
-    let mut command = program();
-    let mut source = std::ffi::OsString::from("video:");
-    source.push(video);
-    command.args(["capture", "--variant", "normal", "--place", "table", "--source"]);
-    command.arg(source).arg("--scene").arg(walk("scene.toml"));
-    command.arg("--camera").arg(camera).arg("-o").arg(session);
-    command
-}
-
-/// A frame as ffmpeg itself writes it.
-fn decoded(video: &Path, number: u64, folder: &Path) -> image::RgbImage {
-    let frame = folder.join("frame.png");
-    let select = format!("select=eq(n\\,{number})");
-    let mut ffmpeg = Command::new("ffmpeg");
-    ffmpeg
-        .args(["-v", "error", "-y", "-i"])
-        .arg(video)
-        .args(["-vf", &select, "-frames:v", "1"])
-        .arg(&frame);
-    assert!(ffmpeg.status().unwrap().success());
-    image::open(frame).unwrap().into_rgb8()
-}
-
-#[test]
-fn a_film_fills_the_views_as_a_camera_does_with_its_own_frames() {
-    let folder = tempfile::tempdir().unwrap();
-    let session = folder.path().join("session");
-    let done = captured(&walk("normal.mp4"), &walk("camera.yaml"), &session)
-        .output()
-        .unwrap();
-    let told = format!("{}{}", stdout(&done), stderr(&done));
-    assert_eq!(done.status.code(), Some(0), "{told}");
-    assert!(told.contains("all 8 views are there"), "{told}");
-    let (list, truth) = (read_json(&session.join("session.json")), truth("normal"));
-    let photos = list["photos"].as_array().unwrap();
-    assert_eq!(photos.len(), 8);
-    for photo in photos {
-        let number = photo["frame"]["number"].as_u64().unwrap();
-        let file = session.join(photo["file"].as_str().unwrap());
-        let sidecar = read_json(&file.with_extension("capture.json"));
-        let (is, expected) = (
-            sidecar["viewpoint"]["azimuth_deg"].as_f64().unwrap(),
-            truth[number as usize]["azimuth_deg"].as_f64().unwrap(),
-        );
-        assert!(turn(expected, is).abs() < 0.1, "frame {number}: {is}, not {expected}");
-        // Still: the walk goes slowly at each side only.
-        let smeared = truth[number as usize]["blur_px"].as_f64().unwrap();
-        assert!(smeared < 1.5, "frame {number} is smeared by {smeared} px");
-        // The very frame that ffmpeg decodes, and neither of those beside it.
-        let own = image::open(&file).unwrap().into_rgb8();
-        let off = [number - 1, number, number + 1].map(|number| {
-            let decoded = decoded(&walk("normal.mp4"), number, folder.path());
-            own.iter()
-                .zip(decoded.iter())
-                .map(|(a, b)| u64::from(a.abs_diff(*b)))
-                .sum::<u64>()
-        });
-        assert!(off[1] < off[0] && off[1] < off[2], "frame {number}: {off:?}");
-    }
-}
-
-#[test]
-fn a_film_that_is_no_source_is_refused_in_one_sentence_and_a_cut_one_keeps_what_was_taken() {
-    let folder = tempfile::tempdir().unwrap();
-    let session = folder.path().join("session");
-    let words = folder.path().join("words.mp4");
-    std::fs::write(&words, "no video").unwrap();
-    let camera = walk("camera.yaml");
-    let of_photos = home().join("calibration/skyline.yaml");
-    let missing = folder.path().join("missing.mp4");
-    for (video, camera, sentence) in [
-        (&words, &camera, "no video that is read here"),
-        (&missing, &camera, "missing.mp4"),
-        (&walk("normal.mp4"), &of_photos, "must be of its videos"),
-    ] {
-        let done = captured(video, camera, &session).output().unwrap();
-        assert_refused(&done, &[sentence]);
-        assert!(!session.exists());
-    }
-    let bytes = std::fs::read(walk("normal.mp4")).unwrap();
-    let cut = folder.path().join("cut.mp4");
-    std::fs::write(&cut, &bytes[..bytes.len() / 2]).unwrap();
-    let done = captured(&cut, &camera, &session).output().unwrap();
-    assert_refused(&done, &["is damaged or cut after"]);
-    let list = read_json(&session.join("session.json"));
-    assert!(!list["photos"].as_array().unwrap().is_empty(), "{list}");
 }
 
 /// A second or two of a walk have few frames to tell how well its motion is known.
@@ -295,36 +203,19 @@ fn held_ffmpeg(programs: &Path, gate: &Path, frames: usize) {
 }
 
 #[test]
-fn a_killed_run_goes_on_and_ends_with_the_same_photos() {
+fn ctrl_c_ends_a_run_and_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
-    let [at_once, resumed] = ["at_once", "resumed"].map(|name| folder.path().join(name));
-    let video = walk("normal.mp4");
-    let part = |session: &Path| {
-        let mut command = from_video(&video, "normal", session);
-        command.args(["--to", "2.5", "--from", "0.5"]);
-        command
-    };
-    let whole = answer(part(&at_once));
+    let session = folder.path().join("session");
     let (programs, gate) = (folder.path().join("bin"), folder.path().join("gate"));
     held_ffmpeg(&programs, &gate, 20);
-    let mut running = part(&resumed)
+    let mut running = from_video(&walk("normal.mp4"), "normal", &session)
         .env("PATH", format!("{}:/usr/bin:/bin", programs.display()))
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    let journal = || {
-        let entries = std::fs::read_dir(&resumed).into_iter().flatten().flatten();
-        let mut journals = entries.filter(|entry| entry.file_name().to_string_lossy().ends_with(".journal"));
-        journals.next().map_or(0, |entry| {
-            std::fs::read_to_string(entry.path())
-                .unwrap_or_default()
-                .lines()
-                .count()
-        })
-    };
     let began = Instant::now();
-    while journal() == 0 || !kills::is_caught(2, &running) {
+    while !session.exists() || !kills::is_caught(2, &running) {
         assert!(began.elapsed() < HANG && running.try_wait().unwrap().is_none());
         std::thread::sleep(Duration::from_millis(5));
     }
@@ -333,12 +224,8 @@ fn a_killed_run_goes_on_and_ends_with_the_same_photos() {
     let ended = running.wait().unwrap();
     // Whoever still waits there goes.
     drop(std::fs::OpenOptions::new().read(true).write(true).open(&gate).unwrap());
-    let rest = answer(part(&resumed));
     assert_eq!(ended.code(), Some(130));
-    assert_eq!(
-        (&rest["chosen"], &rest["refused"]),
-        (&whole["chosen"], &whole["refused"])
-    );
+    assert!(!session.exists());
 }
 
 #[test]
@@ -367,6 +254,17 @@ fn what_cannot_be_used_is_refused_in_one_sentence_and_leaves_nothing() {
     assert_refused(&added, &["another run is filling"]);
     assert_eq!(std::fs::read_dir(&busy).unwrap().count(), 1);
     drop(lock);
+    let (missing, of_photos) = (
+        folder.path().join("missing.mp4"),
+        home().join("calibration/skyline.yaml"),
+    );
+    assert_refused(
+        &from_video(&missing, "normal", &session).output().unwrap(),
+        &["missing.mp4"],
+    );
+    let walked = walk("normal.mp4");
+    let other = with_camera(&walked, &of_photos, "normal", &session).output().unwrap();
+    assert_refused(&other, &["must be of its videos"]);
     for video in [&cut, &words] {
         let done = from_video(video, "normal", &session).output().unwrap();
         let said = String::from_utf8_lossy(&done.stderr).into_owned();

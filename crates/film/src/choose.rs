@@ -12,11 +12,9 @@ use scaleproof_pose::scene::{Bin, Bins, Viewpoint};
 
 /// A frame blurred by more than this, px (standard deviation), is not sharp.
 const SHARP_PX: f64 = MAX_BLUR_PX;
-/// Nor is one that motion smears over more than this, px: less than the 1.5 px that are promised, as that is known to some tenths.
-pub(crate) const SMEARED_PX: f64 = 1.3;
 /// What nearby means, in azimuth and in pitch.
 const NEARBY_DEG: f64 = 5.0;
-/// Frames that differ by less, as a share of what is sharp yet, are equally sharp: among them the nearest to the middle of the bin is the best.
+/// Frames that differ by less, as a share of what is sharp yet, are equally sharp: among them the one in which the camera moves least is the best.
 const ALIKE: f64 = 0.2;
 /// A bin that is less probable is not counted on.
 const SURE_BIN: f64 = 0.95;
@@ -39,7 +37,7 @@ pub enum Refusal {
     Blurred,
     /// No whole tag is large enough to tell how sharp it is.
     BlurUnknown,
-    /// The frame before or after has no pose, so that the camera's motion, and what a rolling shutter makes of it, is not known.
+    /// The frame before or after has no pose, so that the camera's motion is not known.
     MotionUnknown,
     /// Too high or too low for the scene's bins.
     Pitch,
@@ -118,7 +116,7 @@ impl Wish<'_> {
             (!view.is_model_whole, Refusal::ModelCut),
             (view.blur_px.is_some_and(|px| px > self.most_blur_px), Refusal::Blurred),
             (view.blur_px.is_none(), Refusal::BlurUnknown),
-            (view.motion.is_none() || view.response.is_none(), Refusal::MotionUnknown),
+            (view.moved.is_none(), Refusal::MotionUnknown),
             (
                 (v.pitch_deg - bin.pitch_deg).abs() > tolerance.pitch_deg,
                 Refusal::Pitch,
@@ -144,7 +142,8 @@ impl Wish<'_> {
                 at,
                 time_s: look.time_s,
                 view,
-                unsharp: (view.blur_px? / SHARP_PX).max(view.smear_px? / SMEARED_PX),
+                unsharp: view.blur_px? / SHARP_PX,
+                moved_deg: view.moved?.azimuth_deg,
                 bin: self.bins.bin_of(&view.viewpoint),
             })
         });
@@ -156,7 +155,7 @@ impl Wish<'_> {
         all.iter().filter(|one| !is_blurred_beside(one)).copied().collect()
     }
 
-    /// The sharpest frames of each bin, apart in time; among equally sharp ones those nearest to the middle of the bin. One that is not sharp only where the bin has no better one.
+    /// The sharpest frames of each bin, apart in time; among equally sharp ones those in which the camera moves least. One that is not sharp only where the bin has no better one.
     pub fn best(&self, looks: &[Look]) -> Vec<Chosen> {
         let mut bins: BTreeMap<Bin, Vec<Fit>> = BTreeMap::new();
         for fit in self.fit(looks) {
@@ -165,7 +164,7 @@ impl Wish<'_> {
         let mut chosen = Vec::new();
         for (bin, mut fits) in bins {
             fits.sort_by(|a, b| {
-                let order = |fit: &Fit| ((fit.unsharp / ALIKE).floor() as i64, fit.off_centre_deg());
+                let order = |fit: &Fit| ((fit.unsharp / ALIKE).floor() as i64, fit.moved_deg);
                 let (a, b) = (order(a), order(b));
                 a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
             });
@@ -222,8 +221,9 @@ struct Fit<'a> {
     at: usize,
     time_s: f64,
     view: &'a View,
-    /// Its blur, or how far motion smears it, as a share of what is sharp yet.
+    /// Its blur as a share of what is sharp yet.
     unsharp: f64,
+    moved_deg: f64,
     bin: Bin,
 }
 
@@ -235,10 +235,6 @@ impl Fit<'_> {
     fn is_nearby(&self, other: &Fit) -> bool {
         let (a, b) = (&self.view.viewpoint, &other.view.viewpoint);
         turn(a.azimuth_deg, b.azimuth_deg).abs() <= NEARBY_DEG && (a.pitch_deg - b.pitch_deg).abs() <= NEARBY_DEG
-    }
-
-    fn off_centre_deg(&self) -> f64 {
-        turn(self.bin.azimuth_deg, self.view.viewpoint.azimuth_deg).abs()
     }
 }
 

@@ -1,10 +1,9 @@
 //! Frames that may be chosen, held as they were decoded while the film is looked at, so that it need not be decoded twice. What is not held is decoded again.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::choose::{Chosen, Refusal, Wish};
 use crate::look::{Look, Unplaced};
-use crate::motion::{self, BESIDE};
 use scaleproof_video::Planes;
 
 /// Frames of so many bytes are held at most.
@@ -18,9 +17,6 @@ pub struct Held {
     most_bytes: usize,
     frames: BTreeMap<u64, Planes>,
     bytes: usize,
-    /// Looks at the held frames, in their order. Motions of the first ones are set.
-    looks: Vec<Look>,
-    settled: usize,
 }
 
 impl Default for Held {
@@ -36,8 +32,6 @@ impl Held {
             most_bytes,
             frames: BTreeMap::new(),
             bytes: 0,
-            looks: Vec::new(),
-            settled: 0,
         }
     }
 
@@ -60,36 +54,16 @@ impl Held {
         }
         self.bytes += planes.length();
         self.frames.insert(look.number, planes);
-        self.looks.push(*look);
         if self.bytes > self.most_bytes {
-            self.settle(all);
-            self.thin(choose);
+            self.thin(all, choose);
         }
     }
 
-    /// Sets the motions of frames whose neighbours were looked at, as far as the film tells them yet.
-    fn settle(&mut self, all: &[Look]) {
-        let Some(first) = self.looks.get(self.settled) else {
-            return;
-        };
-        let from = all.partition_point(|look| look.number < first.number);
-        let mut recent = all[from.saturating_sub(BESIDE)..].to_vec();
-        motion::set(&mut recent);
-        recent.truncate(recent.len().saturating_sub(BESIDE));
-        let known: BTreeMap<u64, Look> = recent.into_iter().map(|look| (look.number, look)).collect();
-        for look in &mut self.looks[self.settled..] {
-            let Some(known) = known.get(&look.number) else { break };
-            *look = *known;
-            self.settled += 1;
-        }
-        // All by the same exposure, or they could not be compared.
-        motion::set_smears(&mut self.looks[..self.settled]);
-    }
-
-    /// Removes all but the best of what is settled, down to half of the length.
-    fn thin(&mut self, choose: impl Fn(&[Look]) -> Vec<Chosen>) {
-        let mut left = self.looks[..self.settled].to_vec();
-        let mut best = vec![false; self.settled];
+    /// Removes all but the best, down to half of the length, and the last frame, whose motion is not known yet.
+    fn thin(&mut self, all: &[Look], choose: impl Fn(&[Look]) -> Vec<Chosen>) {
+        let held = all.iter().filter(|look| self.frames.contains_key(&look.number));
+        let mut left: Vec<Look> = held.copied().collect();
+        let mut best: BTreeSet<u64> = left.last().map(|last| last.number).into_iter().collect();
         let mut bytes = 0;
         while bytes < self.most_bytes / 2 {
             let chosen = choose(&left);
@@ -97,20 +71,13 @@ impl Held {
                 break;
             }
             for one in chosen {
-                best[one.at] = true;
-                left[one.at].shows = Err(Unplaced::Unsure);
-                bytes += self.frames.get(&self.looks[one.at].number).map_or(0, Planes::length);
+                let look = &mut left[one.at];
+                look.shows = Err(Unplaced::Unsure);
+                best.insert(look.number);
+                bytes += self.frames.get(&look.number).map_or(0, Planes::length);
             }
         }
-        let mut at = 0;
-        self.looks.retain(|look| {
-            let stays = best.get(at).copied().unwrap_or(true);
-            at += 1;
-            if !stays && let Some(planes) = self.frames.remove(&look.number) {
-                self.bytes -= planes.length();
-            }
-            stays
-        });
-        self.settled = best.iter().filter(|stays| **stays).count();
+        self.frames.retain(|number, _| best.contains(number));
+        self.bytes = self.frames.values().map(Planes::length).sum();
     }
 }

@@ -4,23 +4,20 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use image::RgbImage;
-use nalgebra::{Point3, Vector6};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::choose::{Chosen, SMEARED_PX};
+use crate::choose::Chosen;
 use crate::hold::Held;
-use crate::look::{Look, Looker, Motion, Unplaced};
-use crate::motion::{self, BESIDE, ReadOut, Track, at_middle_row};
+use crate::look::Look;
 use scaleproof_capture::capture::{Guidance, Judge, Measures, Sidecar, Tolerance, sidecar_of, slug};
 use scaleproof_core::files::{self, FileError};
-use scaleproof_core::geometry::rigid::step_between;
-use scaleproof_core::geometry::{Rigid, rigid};
+use scaleproof_core::geometry::rigid;
 use scaleproof_photo::photo::{self, Budget, Photo, PhotoError};
 use scaleproof_pose::camera::Camera;
-use scaleproof_pose::locate::{Located, ShutterResponse, Sigma, step_sigma};
+use scaleproof_pose::locate::{Located, Sigma};
 use scaleproof_pose::scene::{Bin, Scene, Viewpoint};
-use scaleproof_pose::tags::{StartError, TagDetectorChoice, limit_scale};
+use scaleproof_pose::tags::{StartError, TagDetectorChoice};
 use scaleproof_session::session::{PhotoEntry, VideoFrame};
 use scaleproof_video::{Frame, Planes, Selection, Video, VideoError};
 
@@ -75,7 +72,6 @@ pub struct Kept {
     pub at: usize,
     pub frame: VideoFrame,
     pub bin: Bin,
-    /// When the image's middle row was read.
     pub viewpoint: Viewpoint,
     pub sigma: Sigma,
     pub measures: Measures,
@@ -105,73 +101,6 @@ impl PairDifference {
             pitch_deg: to.pitch_deg - from.pitch_deg,
             distance_mm: to.distance_mm - from.distance_mm,
         }
-    }
-}
-
-/// What a rolling shutter did to a chosen frame.
-struct Shutter<'a> {
-    /// As it was when the frame was looked at.
-    pose: Rigid,
-    response: ShutterResponse,
-    motion: Motion,
-    read_out: ReadOut,
-    /// Doubts of the motions of frames that are as still.
-    usual: &'a [Vector6<f64>],
-}
-
-impl Shutter<'_> {
-    fn corrected(&self, pose: &Rigid, scene: &Scene) -> (Rigid, Sigma) {
-        let (corrected, sigma) = at_middle_row(pose, &self.response, &self.motion, self.read_out, self.usual, scene);
-        // A look and the search of the photo that differ saw different tags: the response is that of the look.
-        let differ = step_sigma(&[step_between(&self.pose, pose)], pose, scene);
-        (corrected, sigma.and(&differ))
-    }
-}
-
-/// A photo that is written, before the motion in its frame is known: frames after it say that, too.
-struct Draft {
-    kept: Kept,
-    located: Located,
-    sha256: String,
-    target: Viewpoint,
-}
-
-/// Chosen frames, and those beside them that were not looked at.
-fn with_those_beside(chosen: &BTreeMap<u64, Chosen>, track: &Track, looks: &[Look]) -> Vec<u64> {
-    let all: BTreeSet<u64> = chosen.keys().flat_map(|number| beside(*number)).collect();
-    let is_repeated = |number: &u64| {
-        let look = looks
-            .binary_search_by_key(number, |look| look.number)
-            .map(|at| &looks[at]);
-        look.is_ok_and(|look| look.shows == Err(Unplaced::Repeated))
-    };
-    all.into_iter()
-        .filter(|number| chosen.contains_key(number) || !(track.has(*number) || is_repeated(number)))
-        .collect()
-}
-
-fn beside(number: u64) -> std::ops::RangeInclusive<u64> {
-    number.saturating_sub(BESIDE as u64)..=number + BESIDE as u64
-}
-
-/// Doubts of the motions of all frames that are smeared by no more than `sharp_px`, or no more than the chosen ones. Not of these alone: they were chosen since they seemed still.
-fn usual_doubts(looks: &[Look], chosen: impl Iterator<Item = usize>, sharp_px: f64) -> Vec<Vector6<f64>> {
-    let most_px = chosen.filter_map(|at| looks[at].smear_px()).fold(sharp_px, f64::max);
-    let still = looks
-        .iter()
-        .filter(|look| look.smear_px().is_some_and(|px| px <= most_px));
-    still
-        .filter_map(|look| Some(look.shows.as_ref().ok()?.motion?.doubt))
-        .collect()
-}
-
-/// Locates a frame beside a chosen one.
-fn look_beside(frame: &Frame<RgbImage>, chosen: &BTreeMap<u64, Chosen>, track: &mut Track, looker: &mut Looker) {
-    let near = chosen.keys().find(|number| beside(**number).contains(&frame.number));
-    let luma = image::imageops::grayscale(&frame.image);
-    let pose = near.and_then(|near| looker.pose_near(&luma, track.pose(*near)?));
-    if let Some(pose) = pose {
-        track.add(frame.number, frame.time_s, pose);
     }
 }
 
@@ -235,9 +164,6 @@ impl Keeper<'_> {
         goes_on: &impl Fn() -> bool,
     ) -> Result<Vec<Kept>, KeepError> {
         let mut judge = Judge::new(self.scene, self.detector, false)?;
-        let mut looker = Looker::new(self.scene, self.camera, self.video.turned_deg, self.detector)?;
-        let mut track = Track::new(looks);
-        let read_out = motion::read_out(looks);
         let (mut unfit, mut kept) = (BTreeSet::new(), BTreeMap::<usize, Kept>::new());
         for _ in 0..MOST_ROUNDS {
             let chosen: BTreeMap<usize, Chosen> = choose(&unfit).into_iter().map(|one| (one.at, one)).collect();
@@ -252,45 +178,18 @@ impl Keeper<'_> {
             if missing.is_empty() {
                 break;
             }
-            let mut drafts = Vec::new();
-            for frame in self.frames(&with_those_beside(&missing, &track, looks), looks) {
+            let numbers: Vec<u64> = missing.keys().copied().collect();
+            for frame in self.frames(&numbers, looks) {
                 let frame = frame?;
-                match missing.get(&frame.number) {
-                    None => look_beside(&frame, &missing, &mut track, &mut looker),
-                    Some(one) => {
-                        match self.draft(folder, &frame, one, &mut judge)? {
-                            Some(draft) => drafts.push(draft),
-                            None => drop(unfit.insert(one.at)),
-                        }
-                        if !goes_on() {
-                            return Err(KeepError::Interrupted);
-                        }
-                    }
+                let Some(one) = missing.get(&frame.number) else {
+                    continue;
+                };
+                match self.photo(folder, &frame, one, &looks[one.at], &mut judge)? {
+                    Some(photo) => drop(kept.insert(one.at, photo)),
+                    None => drop(unfit.insert(one.at)),
                 }
-            }
-            let motion = |draft: &Draft| track.motion(draft.kept.frame.number);
-            let usual = usual_doubts(
-                looks,
-                drafts.iter().map(|draft| draft.kept.at),
-                SMEARED_PX * limit_scale([self.video.width, self.video.height]),
-            );
-            for draft in drafts {
-                let shutter = looks[draft.kept.at].shows.as_ref().ok().and_then(|view| {
-                    Some(Shutter {
-                        pose: view.pose(),
-                        response: view.response?,
-                        motion: motion(&draft)?,
-                        read_out,
-                        usual: &usual,
-                    })
-                });
-                let at = draft.kept.at;
-                match shutter {
-                    Some(shutter) => drop(kept.insert(at, self.finish(folder, draft, &shutter)?)),
-                    None => {
-                        files::remove(&folder.join(&draft.kept.file))?;
-                        unfit.insert(at);
-                    }
+                if !goes_on() {
+                    return Err(KeepError::Interrupted);
                 }
             }
         }
@@ -335,14 +234,15 @@ impl Keeper<'_> {
             .try_for_each(|name| files::remove(&folder.join(name)))
     }
 
-    /// Writes the photo of one frame; `None` when at full size it is not what it was taken for.
-    fn draft(
+    /// Writes the photo of one frame, and what is known of it beside it; `None` when at full size it is not what it was taken for.
+    fn photo(
         &self,
         folder: &Path,
         frame: &Frame<RgbImage>,
         one: &Chosen,
+        look: &Look,
         judge: &mut Judge,
-    ) -> Result<Option<Draft>, KeepError> {
+    ) -> Result<Option<Kept>, KeepError> {
         let turned_deg = self.video.turned_deg;
         let (bytes, ending) = match self.png {
             true => (photo::sensor_png(&frame.image, turned_deg), "png"),
@@ -358,7 +258,9 @@ impl Keeper<'_> {
         let judged = judge.judge(&photo.luma()?, photo.turned_deg, self.camera, &guidance);
         // A frame that was looked at reduced hid what fills single pixels.
         let is_sharp = (judged.measures.blur_px).is_none_or(|px| px <= self.most_blur_px);
-        let Some(located) = judged.located.filter(|located| is_sharp && located.bin == one.bin) else {
+        let located = judged.located.filter(|located| is_sharp && located.bin == one.bin);
+        let moved = look.shows.as_ref().ok().and_then(|view| view.moved);
+        let (Some(located), Some(moved)) = (located, moved) else {
             return Ok(None);
         };
         let light = judged.verdict.err().filter(|advice| {
@@ -375,7 +277,7 @@ impl Keeper<'_> {
             at: one.at,
             bin: one.bin,
             viewpoint: located.viewpoint,
-            sigma: located.sigma,
+            sigma: located.sigma.and(&moved),
             measures: judged.measures,
             pair: one
                 .pair
@@ -388,26 +290,12 @@ impl Keeper<'_> {
             frame: video_frame,
             file,
         };
+        let beside = folder.join(sidecar_of(&kept.file));
+        let sidecar = self.sidecar(&kept, target, &located, photo.sha256.clone());
+        let text = serde_json::to_string_pretty(&sidecar).map_err(|e| FileError::content(&beside, e))?;
         files::replace_atomically(&path, photo.bytes())?;
-        Ok(Some(Draft {
-            kept,
-            located,
-            sha256: photo.sha256,
-            target,
-        }))
-    }
-
-    /// Corrects what a rolling shutter did, and writes what is known of the photo beside it.
-    fn finish(&self, folder: &Path, mut draft: Draft, shutter: &Shutter) -> Result<Kept, KeepError> {
-        let (pose, by_shutter) = shutter.corrected(&draft.located.pose, self.scene);
-        let target_mm = self.scene.model.target_mm();
-        draft.kept.viewpoint = Viewpoint::from_camera(pose.inverse() * Point3::origin(), target_mm);
-        draft.kept.sigma = draft.located.sigma.and(&by_shutter);
-        let path = folder.join(sidecar_of(&draft.kept.file));
-        let text =
-            serde_json::to_string_pretty(&self.sidecar(&draft, &pose)).map_err(|e| FileError::content(&path, e))?;
-        files::replace_atomically(&path, (text + "\n").as_bytes())?;
-        Ok(draft.kept)
+        files::replace_atomically(&beside, (text + "\n").as_bytes())?;
+        Ok(Some(kept))
     }
 
     /// The viewpoint that a frame was chosen for: another photo's, or the middle of its bin.
@@ -420,8 +308,7 @@ impl Keeper<'_> {
         })
     }
 
-    fn sidecar(&self, draft: &Draft, pose: &Rigid) -> Sidecar {
-        let (kept, located) = (&draft.kept, &draft.located);
+    fn sidecar(&self, kept: &Kept, target: Viewpoint, located: &Located, sha256: String) -> Sidecar {
         Sidecar {
             photo: PhotoEntry {
                 file: kept.file.clone(),
@@ -430,15 +317,15 @@ impl Keeper<'_> {
                 frame: Some(kept.frame.clone()),
                 ..PhotoEntry::default()
             },
-            sha256: draft.sha256.clone(),
+            sha256,
             source: format!(
                 "{}, frame {} at {:.3} s",
                 kept.frame.video, kept.frame.number, kept.frame.time_s
             ),
-            target: draft.target,
+            target,
             viewpoint: kept.viewpoint,
             sigma: kept.sigma,
-            T_camera_model: rigid::rows(pose),
+            T_camera_model: rigid::rows(&located.pose),
             tags: located.tags.clone(),
             rms_px: located.rms_px,
             gates: kept.measures,

@@ -1,9 +1,7 @@
 //! A video of a walk round the model becomes photos of a session.
 //!
 //! - [`look`]: where the camera stood in each frame, how sharp it is, and whether the whole model is in it; tracked from frame to frame;
-//! - [`journal`]: what was looked at, so that an interrupted run goes on;
-//! - [`motion`]: how the camera moved in each frame, and what a rolling shutter made of it;
-//! - [`side`] and [`exposure`]: how long each frame is exposed, as the sides of its tags tell, and so how far that motion smears the model;
+//! - [`motion`]: what the camera's motion in each frame adds to σ of its viewpoint;
 //! - [`choose`]: the best frames of each bin, or the nearest to other photos' viewpoints;
 //! - [`hold`]: those that may be chosen, held while the film is looked at;
 //! - [`pairs`]: the viewpoints that frames are to be pairs of;
@@ -13,13 +11,10 @@
 
 pub mod choose;
 pub mod coverage;
-pub mod exposure;
 pub mod hold;
-pub mod journal;
 pub mod keep;
 pub mod look;
 pub mod motion;
 pub mod pairs;
 pub mod sheet;
-pub mod side;
 pub mod walk;

@@ -3,24 +3,16 @@
 //! The pose of the frame before says where tags are, and only there it is looked. Every so often, and when that fails, the whole image is
 //! searched, reduced. What is kept is located again by the search that photos get (`keep.rs`).
 
-use nalgebra::Vector6;
-use serde::{Deserialize, Serialize};
-
-use crate::side::{SIDES, Side};
 use scaleproof_core::geometry::Rigid;
-use scaleproof_core::geometry::rigid::{from_rotation_vector, to_rotation_vector};
 use scaleproof_photo::photo::Luma;
 use scaleproof_pose::camera::Camera;
-use scaleproof_pose::locate::{Abstention, ShutterResponse, locate_luma};
+use scaleproof_pose::locate::{Abstention, Sigma, locate_luma};
 use scaleproof_pose::scene::{Scene, Viewpoint};
-use scaleproof_pose::tags::{
-    self, EdgeBlur, SeenTag, StartError, TagDetector, TagDetectorChoice, edge_blurs, worst_blur_px,
-};
+use scaleproof_pose::tags::{StartError, TagDetector, TagDetectorChoice, edge_blurs, worst_blur_px};
 use scaleproof_video::{Frame, Picture};
 
-/// Frames of which the first is searched as a whole and the others are tracked: nothing that tracking believes lasts longer, and a run that goes on
-/// at the beginning of such a group sees what an uninterrupted one sees.
-pub const GROUP: usize = 25;
+/// Frames of which the first is searched as a whole and the others are tracked: nothing that tracking believes lasts longer.
+const GROUP: usize = 25;
 /// Of frames in a row without a pose, each so-manieth is searched by every means.
 const SEARCHED_WELL: u32 = 12;
 
@@ -33,7 +25,7 @@ const REPEATED_S: f64 = 0.12;
 const LOOKED_AT_PX: u32 = 1920;
 
 /// One frame, looked at.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Look {
     /// Its number in the video, from 0.
     pub number: u64,
@@ -45,48 +37,22 @@ pub struct Look {
     pub shows: Result<View, Unplaced>,
 }
 
-impl Look {
-    /// How far motion smears the model, px, where that is known.
-    pub fn smear_px(&self) -> Option<f64> {
-        self.shows.as_ref().ok()?.smear_px
-    }
-}
-
 /// What a frame with a pose shows.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     pub viewpoint: Viewpoint,
-    /// The pose `T_camera_model`: rotation vector (rad) and translation (mm).
-    pub pose: [[f64; 3]; 2],
-    /// How the pose answers a motion of the camera; `None` where it is open.
-    pub response: Option<ShutterResponse>,
-    /// How the camera moved, set by [`crate::motion::set`]; `None` until then, and where the frames before or after have no pose.
-    #[serde(skip)]
-    pub motion: Option<Motion>,
+    /// What the camera's motion adds to σ of the viewpoint, set by [`crate::motion::set`]; `None` until then, and where the frames before or after have no pose.
+    pub moved: Option<Sigma>,
     /// Standard deviation of the blur in its worst direction, px; `None` where no whole tag is large enough to tell.
     pub blur_px: Option<f64>,
-    /// Some sides of tags, which tell the exposure.
-    pub sides: [Option<Side>; SIDES],
-    /// How far motion smears the model, px: root mean square over the corners of its box. Set with the motion; `None` where that is.
-    #[serde(skip)]
-    pub smear_px: Option<f64>,
     /// Whether the model's whole box lies in the image.
     pub is_model_whole: bool,
     /// The probability that the viewpoint's bin is the right one.
     pub bin_probability: f64,
 }
 
-/// The motion of the camera in the middle of a frame, as steps of its pose (rad and mm) per second.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Motion {
-    pub per_s: Vector6<f64>,
-    /// One standard deviation of it, in the direction in which it may be off.
-    pub doubt: Vector6<f64>,
-}
-
 /// Why a frame has no pose.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unplaced {
     NoTags,
     Blurred,
@@ -139,11 +105,6 @@ impl<'a> Looker<'a> {
         })
     }
 
-    /// Is told the frame before the first that is looked at, which an earlier run has looked at.
-    pub fn begin_after(&mut self, frame: Frame<Picture>) {
-        self.last = Some((frame.time_s, frame.image));
-    }
-
     /// Looks at the next frame.
     pub fn look(&mut self, frame: Frame<Picture>) -> Look {
         if self.looked.is_multiple_of(GROUP) {
@@ -193,34 +154,18 @@ impl<'a> Looker<'a> {
         }
         match (&photo.result, &photo.fitted) {
             (Ok(located), Ok(fitted)) => {
-                // From here on in pixels of the frame.
-                let [width, height] = frame.image.size();
-                let camera = &(fitted.camera.scaled_to(width, height)).map_err(|_| Unplaced::Unsure)?;
-                let (seen, blurs) = enlarged(&photo.seen, edge_blurs(luma, &photo.seen), factor);
-                let seen = &seen;
+                let blur_px = worst_blur_px(&edge_blurs(luma, &photo.seen)).filter(|px| px.is_finite());
                 Ok(View {
                     viewpoint: located.viewpoint,
-                    pose: to_rotation_vector(&located.pose).into(),
-                    response: ShutterResponse::new(located, seen, self.scene, camera, fitted.turned_deg),
-                    motion: None,
-                    blur_px: worst_blur_px(&blurs).filter(|px| px.is_finite()),
-                    sides: Side::some(frame.number, &blurs, seen, located, self.scene, camera),
-                    smear_px: None,
-                    is_model_whole: self.is_model_whole(&located.pose, camera),
+                    moved: None,
+                    blur_px: blur_px.map(|px| px * f64::from(factor)),
+                    is_model_whole: self.is_model_whole(&located.pose, &fitted.camera),
                     bin_probability: located.bin_probability,
                 })
             }
             (Err(why), _) => Err(Unplaced::of(why)),
             (_, Err(_)) => Err(Unplaced::Unsure),
         }
-    }
-
-    /// The pose of a frame near one of a known pose.
-    pub fn pose_near(&mut self, luma: &dyn Luma, near: &Rigid) -> Option<Rigid> {
-        self.located(luma, Some(near), false)
-            .result
-            .ok()
-            .map(|located| located.pose)
     }
 
     fn located(
@@ -267,28 +212,6 @@ fn reduction(size: [u32; 2]) -> u32 {
     let most = size[0].max(size[1]) / LOOKED_AT_PX;
     let is_whole = |factor: &u32| size.iter().all(|side| side.is_multiple_of(*factor));
     (1..=most).rev().find(is_whole).unwrap_or(1)
-}
-
-/// Tags and their blurs in a reduced image, in pixels of the whole one.
-fn enlarged(seen: &[SeenTag], blurs: Vec<EdgeBlur>, factor: u32) -> (Vec<SeenTag>, Vec<EdgeBlur>) {
-    let tag = |tag: &SeenTag| SeenTag {
-        corners_px: tag.corners_px.map(|corner| tags::enlarged(corner, factor)),
-        side_blurs_px: tag.side_blurs_px.map(|blurs| blurs.map(|px| px * f64::from(factor))),
-        ..tag.clone()
-    };
-    let blur = |blur: EdgeBlur| EdgeBlur {
-        px: blur.px * f64::from(factor),
-        ..blur
-    };
-    (seen.iter().map(tag).collect(), blurs.into_iter().map(blur).collect())
-}
-
-impl View {
-    /// `T_camera_model`.
-    pub fn pose(&self) -> Rigid {
-        let [rvec, tvec] = self.pose;
-        from_rotation_vector(rvec, tvec)
-    }
 }
 
 impl Unplaced {

@@ -1,17 +1,15 @@
 //! A video of a walk round the model, from its frames to the photos: looked at, chosen, kept.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use crate::choose::{Chosen, SMEARED_PX, Wish};
+use crate::choose::{Chosen, Wish};
 use crate::hold::Held;
-use crate::journal::{About, Journal};
 use crate::keep::{KeepError, Keeper, Kept};
 use crate::look::{Look, Looker, Unplaced};
 use crate::motion;
 use crate::pairs::Wanted;
 use scaleproof_capture::capture::MAX_BLUR_PX;
-use scaleproof_core::files::FileError;
 use scaleproof_core::spelling::count;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Bin, Scene, Viewpoint};
@@ -37,8 +35,6 @@ pub struct Walk {
 #[derive(Debug, thiserror::Error)]
 pub enum LookError {
     #[error(transparent)]
-    File(#[from] FileError),
-    #[error(transparent)]
     Tags(#[from] StartError),
     #[error("{error}")]
     Video {
@@ -47,16 +43,37 @@ pub enum LookError {
         whole_s: Option<f64>,
     },
     #[error("interrupted")]
-    Interrupted {
-        /// The time of the last frame in the journal, s.
-        time_s: f64,
-    },
+    Interrupted,
 }
 
 /// So much before the damage frames are surely whole, s: ffmpeg decodes some frames ahead.
 const AHEAD_S: f64 = 0.5;
-/// Less than the time between two frames, s, and more than roundings.
-const SAME_S: f64 = 1e-5;
+
+/// Why a video is not one that a walk can be looked at in.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    #[error(transparent)]
+    Video(#[from] VideoError),
+    #[error(
+        "{video}: {reason}; videos are cropped otherwise than photos, so the camera file must be of its videos", video = video.display()
+    )]
+    OtherCamera { video: PathBuf, reason: String },
+}
+
+/// Describes a video whose frames a camera file fits.
+///
+/// # Errors
+/// No ffmpeg; a file that is no video, or none that can be decoded within bounds; frames of another shape than the camera file's.
+pub fn open_video(path: &Path, camera: &Camera) -> Result<Video, OpenError> {
+    let video = Video::open(path)?;
+    match camera.for_photo(video.width, video.height, video.turned_deg) {
+        Ok(_) => Ok(video),
+        Err(reason) => Err(OpenError::OtherCamera {
+            video: path.to_owned(),
+            reason: reason.to_string(),
+        }),
+    }
+}
 
 /// Every so-manieth frame is looked at where nobody says otherwise.
 pub fn usual_step(video: &Video) -> u64 {
@@ -65,28 +82,17 @@ pub fn usual_step(video: &Video) -> u64 {
 }
 
 impl Walk {
-    /// Looks at the frames that a journal has not; `about` says which and of what. `looked` hears of each frame, and says whether to go on. Frames that may be
-    /// chosen by `wish` are held, for [`Walk::keep`].
+    /// Looks at the frames of a part. `looked` hears of each frame, and says whether to go on. Frames that may be chosen by `wish` are held, for [`Walk::keep`].
     ///
     /// # Errors
-    /// The video breaks off; the journal cannot be written; `looked` says no, and the journal has what was looked at.
+    /// The video breaks off; `looked` says no.
     pub fn looks(
         &self,
-        journal: &Path,
-        about: &About,
+        part: &Selection,
         wish: &Wish,
         mut looked: impl FnMut(&[Look]) -> bool,
-    ) -> Result<(Journal, Vec<Look>, Held), LookError> {
-        let (mut journal, mut looks) = Journal::open(journal, about)?;
-        let mut held = Held::default();
-        let mut goes_on = looked(&looks);
-        let selection = Selection {
-            // From the last frame of an earlier run on, which the next one may repeat.
-            from_s: looks.last().map_or(about.from_s, |last| last.time_s - SAME_S),
-            to_s: about.to_s,
-            every: about.every,
-            ..Selection::default()
-        };
+    ) -> Result<(Vec<Look>, Held), LookError> {
+        let (mut looks, mut held) = (Vec::new(), Held::default());
         let (scene, camera) = (&self.scene, &self.camera);
         let mut looker = Looker::new(scene, camera, self.video.turned_deg, TagDetectorChoice::default())?;
         let failed = |error: VideoError, looks: &[Look]| {
@@ -98,37 +104,29 @@ impl Walk {
             };
             LookError::Video { error, whole_s }
         };
-        for frame in self.video.pictures(&selection).map_err(|e| failed(e, &[]))? {
+        for frame in self.video.pictures(part).map_err(|e| failed(e, &[]))? {
             let frame = frame.map_err(|e| failed(e, &looks))?;
-            if looks.last().is_some_and(|last| frame.number <= last.number) {
-                looker.begin_after(frame);
-                continue;
-            }
             let planes = frame.image.planes().cloned();
-            let look = looker.look(frame);
-            journal.add(&look)?;
-            looks.push(look);
+            looks.push(looker.look(frame));
+            motion::set(&mut looks);
             if let Some(planes) = planes {
                 held.add(planes, &looks, wish, |looks| self.choose(looks, wish));
             }
-            goes_on &= looked(&looks);
-            if !goes_on {
-                journal.flush()?;
-                return Err(LookError::Interrupted { time_s: look.time_s });
+            if !looked(&looks) {
+                return Err(LookError::Interrupted);
             }
         }
-        motion::set(&mut looks);
-        Ok((journal, looks, held))
+        Ok((looks, held))
     }
 
     /// How many frames there will be to look at, by the header.
-    pub fn expected(&self, about: &About) -> usize {
+    pub fn expected(&self, part: &Selection) -> usize {
         let video = &self.video;
         let whole_s = video.duration_s.unwrap_or(0.0);
-        let seconds = about.to_s.unwrap_or(whole_s).min(whole_s) - about.from_s;
+        let seconds = part.to_s.unwrap_or(whole_s).min(whole_s) - part.from_s;
         let all = video.frames.map(|frames| frames as f64);
         let rate = video.frames_per_s.or_else(|| Some(all? / whole_s)).unwrap_or(0.0);
-        (seconds * rate / about.every as f64).clamp(0.0, 1e9).round() as usize
+        (seconds * rate / part.every as f64).clamp(0.0, 1e9).round() as usize
     }
 
     /// What is asked of its frames.
@@ -204,7 +202,7 @@ impl Walk {
     }
 
     /// What to know before the photos are believed, as sentences.
-    pub fn notes(&self, looks: &[Look], kept: &[Kept]) -> Vec<String> {
+    pub fn notes(&self, kept: &[Kept]) -> Vec<String> {
         let mut notes: Vec<String> = self.video.colour_note().into_iter().collect();
         let faults = self.wanted.faults.iter();
         notes.extend(faults.map(|fault| format!("no pair is looked for: {fault}")));
@@ -216,15 +214,6 @@ impl Walk {
             .iter()
             .map(|(advice, number)| format!("{} of {}: {advice}", number, count(kept.len(), "chosen frame")));
         notes.extend(said);
-        let smears: Vec<f64> = kept.iter().filter_map(|one| looks.get(one.at)?.smear_px()).collect();
-        let most = smears.iter().copied().fold(0.0, f64::max);
-        if most > SMEARED_PX {
-            let smeared = smears.iter().filter(|px| **px > SMEARED_PX).count();
-            notes.push(format!(
-                "{smeared} of {}: smeared by motion, over {most:.1} px at most, and nothing sharper is in their bins: go slower, or film with shorter exposures",
-                count(kept.len(), "chosen frame")
-            ));
-        }
         notes
     }
 }

@@ -20,8 +20,8 @@ use crate::cli::choice::completing;
 use crate::cli::full::interrupt::Opening;
 use crate::cli::{CommandResult, Outcome, Result};
 use scaleproof_capture::capture::{
-    BinName, Capture, Film, FrameLine, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceError, SourceName,
-    Store, Target, Tolerance, Watch, interrupt_programs, live::list_cameras, pair, stream,
+    BinName, Capture, FrameLine, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceError, SourceName, Store,
+    Target, Tolerance, Watch, interrupt_programs, live::list_cameras, pair, stream,
 };
 use scaleproof_capture::page::{CaptureInfo, Page};
 use scaleproof_core::files;
@@ -66,8 +66,8 @@ struct ListArgs {
 #[derive(clap::Args)]
 struct GuidedArgs {
     /// Where photos come from: camera or camera:N (see list-cameras), http://… or rtsp://… (a camera that streams), watch:DIR
-    /// (a folder that a phone or camera copies into), video:FILE (a film, as MP4, MOV, MKV or WebM), replay:DIR (the photos of --variant in a stored session), or upload (what browsers send to --page)
-    #[arg(long, value_name = "SOURCE", required_unless_present_any = ["undo", "redo"], value_parser = completing(source, ["camera", "http://", "rtsp://", "watch:", "video:", "replay:", "upload"]), hide_possible_values = true)]
+    /// (a folder that a phone or camera copies into), replay:DIR (the photos of --variant in a stored session), or upload (what browsers send to --page)
+    #[arg(long, value_name = "SOURCE", required_unless_present_any = ["undo", "redo"], value_parser = completing(source, ["camera", "http://", "rtsp://", "watch:", "replay:", "upload"]), hide_possible_values = true)]
     source: Option<SourceName>,
     /// What stands on the table: scene.toml
     #[arg(long)]
@@ -307,7 +307,6 @@ fn open_source(name: &SourceName, args: &GuidedArgs, camera: &Camera) -> Result<
         _ if args.shuffle.is_some() || args.fps.is_some() => {
             Err("--shuffle and --fps are for replay: sources: leave them out".into())
         }
-        SourceName::Video(file) => Ok(Some(Box::new(Film::open(file, camera)?))),
         SourceName::Watch(folder) => Ok(Some(Box::new(Watch::open(folder, args.headless)?))),
         SourceName::Camera(number) => Ok(Some(Box::new(LiveCamera::open(*number, camera)?))),
         SourceName::Stream(address) => Ok(Some(Box::new(stream::open(address, camera)?))),
@@ -379,7 +378,6 @@ fn begin(args: &GuidedArgs, capture: &Capture, out: &mut dyn Write) -> std::io::
         SourceName::Watch(folder) if args.headless => format!("looking at the photos in {}", folder.display()),
         SourceName::Watch(folder) => format!("copy photos into {}; Ctrl-C ends", folder.display()),
         SourceName::Replay(folder) => format!("replaying the photos of {}", folder.display()),
-        SourceName::Video(file) => format!("looking at the frames of {}", file.display()),
         SourceName::Camera(_) | SourceName::Stream(_) => "walk round the model with the camera; Ctrl-C ends".to_owned(),
         SourceName::Upload => "send photos to the page".to_owned(),
     };

@@ -15,18 +15,17 @@ use crate::cli::answer::told;
 use crate::cli::session::{by_variant, in_words};
 use crate::cli::sessions::{self, FolderFiles};
 use crate::cli::{CommandResult, Result};
-use scaleproof_capture::capture::{Measures, open_video, slug};
+use scaleproof_capture::capture::{Measures, slug};
 use scaleproof_core::files;
 use scaleproof_core::geometry::angle::direction_text;
 use scaleproof_core::spelling::count;
 use scaleproof_core::statistics::upper_median;
 use scaleproof_film::choose::{Refusal, Wish, refused};
 use scaleproof_film::hold::Held;
-use scaleproof_film::journal::{About, Journal};
 use scaleproof_film::keep::{KeepError, Kept, PairDifference};
 use scaleproof_film::look::Look;
 use scaleproof_film::pairs::Wanted;
-use scaleproof_film::walk::{LookError, Walk, usual_step};
+use scaleproof_film::walk::{LookError, Walk, open_video, usual_step};
 use scaleproof_film::{coverage, sheet};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::Sigma;
@@ -36,12 +35,13 @@ use scaleproof_session::session::filling;
 use scaleproof_session::session::folders::PhotoFolder;
 use scaleproof_session::session::{NewSession, PhotoEntry, Session};
 use scaleproof_terminal::progress;
+use scaleproof_video::Selection;
 
 /// Make photos of a video of a walk round the model: the best frames of each bin, in a session
 ///
 /// Every frame is located by its tags; kept are the sharpest that show the whole model as the scene's bins ask. Where the session has photos of another
-/// texture at the same place, the frames nearest to their viewpoints are kept, so that pairs differ in the texture alone. The video is never changed. A
-/// run that was stopped goes on where it was when it is called again. Videos are read with ffmpeg.
+/// texture at the same place, the frames nearest to their viewpoints are kept, so that pairs differ in the texture alone. The video is never changed.
+/// Videos are read with ffmpeg.
 #[derive(clap::Args)]
 pub(in crate::cli) struct FilmArgs {
     /// The video: MP4, MOV, MKV or WebM, as the camera wrote it
@@ -152,8 +152,6 @@ struct ChosenFrame {
     viewpoint: Viewpoint,
     sigma: Sigma,
     gates: Measures,
-    /// How far motion smears the model in it, px: by the motion of the camera and the exposure, both as the video tells them.
-    smear_px: Option<f64>,
     pair: Option<Pair>,
 }
 
@@ -169,7 +167,8 @@ struct Pair {
 struct Film {
     walk: Walk,
     files: FolderFiles,
-    about: About,
+    /// The frames that are looked at.
+    part: Selection,
     /// SHA-256 of the session's list; `None` without a session.
     list: Option<String>,
 }
@@ -198,13 +197,9 @@ pub(in crate::cli) fn run(args: FilmArgs, out: &mut dyn Write) -> CommandResult 
     let had_folder = args.output.exists();
     std::fs::create_dir_all(&args.output).map_err(|e| files::FileError::write(&args.output, &e))?;
     let lock = filling::locked(&args.output)?;
-    let journal = args.output.join(format!(".film-{}.journal", &film.about.video[..12]));
     let made = film
         .refuse_if_changed(&args)
-        .and_then(|()| make(&args, &film, &journal, &stopped));
-    if matches!(&made, Err(e) if !e.is::<Interruption>()) {
-        let _ = files::remove(&journal);
-    }
+        .and_then(|()| make(&args, &film, &stopped));
     // Also that of a run that was killed; a capture makes its own again.
     let _ = files::remove(&args.output.join(filling::MARK));
     if !had_folder {
@@ -222,12 +217,10 @@ pub(in crate::cli) fn run(args: FilmArgs, out: &mut dyn Write) -> CommandResult 
     }
 }
 
-/// Ctrl-C: the run can go on later.
+/// Ctrl-C.
 #[derive(Debug, thiserror::Error)]
-#[error("stopped after {time_s:.1} s of the video: the same command goes on from there")]
-struct Interruption {
-    time_s: f64,
-}
+#[error("stopped: no photo was kept")]
+struct Interruption;
 
 fn opened(args: &FilmArgs) -> Result<Film> {
     check_names(&args.variant, &args.place)?;
@@ -255,14 +248,11 @@ fn opened(args: &FilmArgs) -> Result<Film> {
         }
         None => Wanted::default(),
     };
-    let about = About {
-        program: env!("CARGO_PKG_VERSION").to_owned(),
-        video: sha256.clone(),
-        scene: files::hashed(files.scene()?)?.1,
-        camera: files::hashed(files.camera()?)?.1,
+    let part = Selection {
         from_s: args.from,
         to_s: args.to,
         every: args.every.unwrap_or_else(|| usual_step(&video)),
+        ..Selection::default()
     };
     let walk = Walk {
         name: files::name_of(&args.video),
@@ -275,7 +265,7 @@ fn opened(args: &FilmArgs) -> Result<Film> {
     Ok(Film {
         walk,
         files,
-        about,
+        part,
         list: hash,
     })
 }
@@ -297,9 +287,9 @@ fn refuse_twice(session: &Session, args: &FilmArgs, sha256: &str) -> Result<()> 
 }
 
 /// Looks, chooses, writes; the answer, and the answer in words.
-fn make(args: &FilmArgs, film: &Film, journal: &Path, stopped: &AtomicBool) -> Result<(Answer, String)> {
+fn make(args: &FilmArgs, film: &Film, stopped: &AtomicBool) -> Result<(Answer, String)> {
     let wish = film.walk.wish(args.per_bin.into(), args.apart);
-    let (journal, looks, held) = look(args, film, &wish, journal, stopped)?;
+    let (looks, held) = look(args, film, &wish, stopped)?;
     let folder = folder_name(&slug(&args.variant), &slug(&stem(&film.walk.name)));
     let folder = files::free_place(&args.output.join(folder));
     let kept = keep(args, film, (&looks, &wish), &held, &folder, stopped)?;
@@ -314,9 +304,7 @@ fn make(args: &FilmArgs, film: &Film, journal: &Path, stopped: &AtomicBool) -> R
             let _ = files::remove(&picture);
         }
     }
-    let made = made?;
-    journal.remove()?;
-    Ok(made)
+    made
 }
 
 /// The folder of the photos: named by the texture and the video.
@@ -352,28 +340,17 @@ fn nothing(args: &FilmArgs, wish: &Wish, looks: &[Look]) -> String {
     )
 }
 
-/// Looks at the frames that were not looked at yet.
-fn look(
-    args: &FilmArgs,
-    film: &Film,
-    wish: &Wish,
-    journal: &Path,
-    stopped: &AtomicBool,
-) -> Result<(Journal, Vec<Look>, Held)> {
+/// Looks at the frames.
+fn look(args: &FilmArgs, film: &Film, wish: &Wish, stopped: &AtomicBool) -> Result<(Vec<Look>, Held)> {
     let walk = &film.walk;
     let mut shown = None;
     let looked = |looks: &[Look]| {
-        let progress = shown.get_or_insert_with(|| {
-            if let Some(last) = looks.last() {
-                progress::announce(&format!("{} goes on after {:.1} s", walk.name, last.time_s));
-            }
-            progress::frames("looking at", walk.expected(&film.about))
-        });
+        let progress = shown.get_or_insert_with(|| progress::frames("looking at", walk.expected(&film.part)));
         progress.set_position(looks.len() as u64);
         !stopped.load(Ordering::Relaxed)
     };
-    let (journal, looks, held) = walk.looks(journal, &film.about, wish, looked).map_err(|e| match e {
-        LookError::Interrupted { time_s } => Interruption { time_s }.into(),
+    let (looks, held) = walk.looks(&film.part, wish, looked).map_err(|e| match e {
+        LookError::Interrupted => Interruption.into(),
         // What is before the damage can be used.
         LookError::Video {
             error,
@@ -388,7 +365,7 @@ fn look(
         let to = args.to.map_or(String::new(), |to| format!(" and before {to} s"));
         return Err(format!("{} has no frame after {} s{to}", args.video.display(), args.from).into());
     }
-    Ok((journal, looks, held))
+    Ok((looks, held))
 }
 
 /// Writes the chosen frames into a folder of the session.
@@ -408,10 +385,7 @@ fn keep(
     let texture = (args.variant.as_str(), args.place.as_str());
     let kept = film.walk.keep(texture, args.png, (looks, wish), held, folder, goes_on);
     let kept = kept.map_err(|e| match e {
-        KeepError::Interrupted => Interruption {
-            time_s: looks.last().map_or(0.0, |last| last.time_s),
-        }
-        .into(),
+        KeepError::Interrupted => Interruption.into(),
         other => Box::<dyn std::error::Error>::from(other),
     })?;
     progress.finish_and_clear();
@@ -468,7 +442,6 @@ fn write(
         viewpoint: one.viewpoint,
         sigma: one.sigma,
         gates: one.measures,
-        smear_px: looks[one.at].smear_px(),
         pair: one.pair.map(|(place, difference)| Pair {
             file: walk.wanted.files[place].clone(),
             difference,
@@ -489,7 +462,7 @@ fn write(
             duration_s: video.duration_s,
             range: video.range.name(),
         },
-        every: film.about.every,
+        every: film.part.every,
         frames: looks.len(),
         located: looks.iter().filter(|look| look.shows.is_ok()).count(),
         fit: looks.len() - refused.values().sum::<usize>(),
@@ -500,7 +473,7 @@ fn write(
         unpaired: walk.unpaired(kept),
         contact_sheet,
         coverage,
-        notes: walk.notes(looks, kept),
+        notes: walk.notes(kept),
     };
     let variants = by_variant(photos.iter().map(|photo| &*photo.variant));
     let words = words(&answer) + &in_words(&file, photos.len(), &variants, &args.output);
@@ -530,12 +503,11 @@ fn words(answer: &Answer) -> String {
             .gates
             .blur_px
             .map_or(String::new(), |px| format!(", blur {px:.2} px"));
-        let smear = one.smear_px.map_or(String::new(), |px| format!(", smear {px:.1} px"));
         let pair = one.pair.as_ref().map_or(String::new(), |pair| {
             format!(", {:.2}° from {}", pair.difference.apart_deg, pair.file)
         });
         lines.push(format!(
-            "  {}: frame {} at {:.2} s, {}° ± {:.2}° / {:.1}° / {:.0} mm{blur}{smear}{pair}",
+            "  {}: frame {} at {:.2} s, {}° ± {:.2}° / {:.1}° / {:.0} mm{blur}{pair}",
             one.file,
             one.frame,
             one.time_s,

@@ -5,7 +5,6 @@
 //! numbers.
 
 mod advice;
-mod film;
 mod gates;
 mod guidance;
 pub mod live;
@@ -34,13 +33,12 @@ use scaleproof_pose::tags::SeenTag;
 use scaleproof_session::session::PhotoEntry;
 
 pub use advice::Advice;
-pub use film::{Film, open_video};
 pub use gates::{FrameJudgement, Judge, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Measures};
 pub use guidance::{BinName, Guidance, NextMove, Target, Tolerance};
 pub use live::{CameraSettings, LiveCamera};
 pub use programs::interrupt_programs;
 pub use replay::Replay;
-pub use source::{FrameSource, Original, Purpose, SourceError, SourceFrame, SourceName};
+pub use source::{FrameSource, Original, SourceError, SourceFrame, SourceName};
 pub use store::{Sidecar, Store, StoreError, sidecar_of, slug};
 pub use watch::Watch;
 
@@ -256,16 +254,9 @@ impl Capture {
                 });
             }
         };
-        if let Purpose::Filmed { after_ms, .. } = frame.purpose {
-            self.judge.filmed_after(after_ms);
-        }
         let mut judgement = self.judge.judge(&luma, turned_deg, &self.camera, &self.guidance);
         let is_by_hand = taking == Taking::ByHand;
-        // Nobody holds still for a film, and the frame that is judged is the one that is kept.
-        let held = match (&frame.purpose, &judgement.verdict) {
-            (Purpose::Filmed { .. }, Ok(_)) => Ok(()),
-            (_, verdict) => self.hold(verdict, taking),
-        };
+        let held = self.hold(&judgement.verdict, taking);
         if self.judge.is_stream() && (is_by_hand || held.is_ok()) {
             let (camera, guidance) = (&self.camera, &self.guidance);
             judgement = self.judge.confirm(judgement, &luma, turned_deg, camera, guidance);
@@ -300,7 +291,7 @@ impl Capture {
     fn luma(&self, frame: &SourceFrame) -> Result<(GrayImage, u32), Advice> {
         match &frame.original {
             Original::Unreadable(sentence) => Err(Advice::Unreadable(sentence.clone())),
-            Original::Pixels { upright, turned_deg } => Ok((image::imageops::grayscale(upright), *turned_deg)),
+            Original::Pixels(upright) => Ok((image::imageops::grayscale(upright), 0)),
             Original::Encoded(bytes) => {
                 let photo = Photo::from_bytes(Path::new(&frame.name), bytes.clone(), Budget::FILE);
                 if let Some(known) = photo.as_ref().ok().and_then(|photo| self.known(&photo.sha256)) {
@@ -356,10 +347,6 @@ impl Capture {
                 variant: self.variant.clone(),
                 place: Some(self.place.clone()),
                 taken: frame.taken.clone(),
-                frame: match &frame.purpose {
-                    Purpose::Filmed { frame, .. } => Some((**frame).clone()),
-                    _ => None,
-                },
                 ..PhotoEntry::default()
             },
             sha256: sha256.clone(),
@@ -424,8 +411,8 @@ fn file_of(original: &Original) -> Result<(Vec<u8>, &'static str), String> {
             let is_png = image::guess_format(bytes).is_ok_and(|format| format == ImageFormat::Png);
             Ok((bytes.clone(), if is_png { "png" } else { "jpg" }))
         }
-        Original::Pixels { upright, turned_deg } => {
-            let bytes = photo::sensor_png(upright, *turned_deg).ok_or("the camera's image cannot be kept as PNG")?;
+        Original::Pixels(upright) => {
+            let bytes = photo::sensor_png(upright, 0).ok_or("the camera's image cannot be kept as PNG")?;
             Ok((bytes, "png"))
         }
     }

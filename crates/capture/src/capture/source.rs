@@ -8,8 +8,7 @@ use image::RgbImage;
 use super::live::{CameraSettings, LiveCameraError};
 use super::stream::StreamAddress;
 use scaleproof_core::files::FileError;
-use scaleproof_session::session::{SessionError, VideoFrame};
-use scaleproof_video::VideoError;
+use scaleproof_session::session::SessionError;
 
 /// One image of a source.
 #[derive(Debug, Clone)]
@@ -19,21 +18,6 @@ pub struct SourceFrame {
     /// When it was taken, RFC 3339, where the source knows.
     pub taken: Option<String>,
     pub original: Original,
-    pub purpose: Purpose,
-}
-
-/// What a frame is for.
-#[derive(Debug, Clone, Default)]
-pub enum Purpose {
-    /// It may be taken as it is.
-    #[default]
-    Photo,
-    /// It is one of a video file's: nobody holds still for it, and it may be taken as it is.
-    Filmed {
-        /// How long after the last frame it is shown.
-        after_ms: u32,
-        frame: Box<VideoFrame>,
-    },
 }
 
 /// What a source has of a frame.
@@ -41,12 +25,8 @@ pub enum Purpose {
 pub enum Original {
     /// A JPEG or PNG file; it is kept byte for byte.
     Encoded(Vec<u8>),
-    /// The pixels of a camera or video that gives no file; kept as PNG that lies as the sensor does.
-    Pixels {
-        upright: RgbImage,
-        /// How far that is turned clockwise from the sensor's image, degrees.
-        turned_deg: u32,
-    },
+    /// The pixels of a camera that gives no file; kept as PNG that lies as the sensor does.
+    Pixels(RgbImage),
     /// None: the sentence says why.
     Unreadable(String),
 }
@@ -58,7 +38,6 @@ impl SourceFrame {
             name,
             taken: None,
             original,
-            purpose: Purpose::Photo,
         }
     }
 }
@@ -94,19 +73,13 @@ pub trait FrameSource {
 #[derive(Debug, thiserror::Error)]
 pub enum SourceError {
     #[error(
-        "the source '{text}' is not known: use camera or camera:N, http://… or rtsp://… for one that streams, watch:DIR for a folder that photos arrive in, video:FILE for a film, replay:DIR for a stored session, or upload for what browsers send to the page"
+        "the source '{text}' is not known: use camera or camera:N, http://… or rtsp://… for one that streams, watch:DIR for a folder that photos arrive in, replay:DIR for a stored session, or upload for what browsers send to the page"
     )]
     Unknown { text: String },
     #[error(transparent)]
     Session(#[from] SessionError),
     #[error(transparent)]
     File(#[from] FileError),
-    #[error(transparent)]
-    Video(#[from] VideoError),
-    #[error(
-        "{video}: {reason}; videos are cropped otherwise than photos, so the camera file must be of its videos", video = video.display()
-    )]
-    OtherCamera { video: PathBuf, reason: String },
     #[error("the session in {folder} has no photo of the variant {variant}, only of {others}: replay another, or name one of these", folder = folder.display())]
     NoSuchVariant {
         folder: PathBuf,
@@ -142,8 +115,6 @@ pub enum SourceName {
     Replay(PathBuf),
     /// `watch:DIR`: photos that arrive in a folder.
     Watch(PathBuf),
-    /// `video:FILE`: a film.
-    Video(PathBuf),
     /// `camera:N`, or `camera` for the first.
     Camera(u32),
     /// `http://…` or `rtsp://…`: a camera that streams.
@@ -164,7 +135,6 @@ impl FromStr for SourceName {
         match text.split_once(':') {
             Some(("replay", folder)) if !folder.is_empty() => Ok(SourceName::Replay(folder.into())),
             Some(("watch", folder)) if !folder.is_empty() => Ok(SourceName::Watch(folder.into())),
-            Some(("video", file)) if !file.is_empty() => Ok(SourceName::Video(file.into())),
             Some(("camera", number)) => number.parse().map(SourceName::Camera).map_err(|_| unknown()),
             None if text == "camera" => Ok(SourceName::Camera(0)),
             None if text == "upload" => Ok(SourceName::Upload),
@@ -187,7 +157,6 @@ impl SourceName {
         match self {
             SourceName::Replay(_) => "replay",
             SourceName::Watch(_) => "watched folder",
-            SourceName::Video(_) => "video",
             SourceName::Camera(_) => "camera",
             SourceName::Stream(_) => "stream",
             SourceName::Upload => "upload",

@@ -11,7 +11,7 @@ use scaleproof_photo::photo::{Budget, Photo, fitting, preview_jpeg, shrunk};
 pub(super) fn of_frame(original: &Original, longest_side_px: u32) -> Option<Vec<u8>> {
     match original {
         Original::Unreadable(_) => None,
-        Original::Pixels { upright: rgb, .. } => jpeg(rgb, fitting([rgb.width(), rgb.height()], longest_side_px)),
+        Original::Pixels(rgb) => jpeg(rgb, fitting([rgb.width(), rgb.height()], longest_side_px)),
         Original::Encoded(bytes) => {
             let file = Photo::from_bytes(Path::new("frame"), bytes.clone(), Budget::UPLOAD).ok()?;
             of_file(&file, longest_side_px)

@@ -2,7 +2,6 @@
 
 use scaleproof_film::hold::Held;
 use scaleproof_film::look::Look;
-use scaleproof_film::motion;
 use scaleproof_video::{Picture, Pixels, Planes};
 
 use super::{bins, frame, wish};
@@ -18,7 +17,7 @@ fn the_best_frames_of_a_long_film_are_held_and_no_more_than_fit() {
     let bins = bins();
     let wish = wish(&bins, 2);
     // Three rounds; the sharpness goes up and down otherwise in each.
-    let mut looks: Vec<Look> = (0..1080)
+    let looks: Vec<Look> = (0..1080)
         .map(|n| frame(n, (n % 360) as f64, 0.5 + (n as f64 * 0.37).sin().abs() * 2.0))
         .collect();
     let most_bytes = 60 * planes().length();
@@ -27,7 +26,6 @@ fn the_best_frames_of_a_long_film_are_held_and_no_more_than_fit() {
         held.add(planes(), &looks[..looked], &wish, |looks| wish.best(looks));
         assert!(held.bytes() <= most_bytes);
     }
-    motion::set(&mut looks);
     let chosen = wish.best(&looks);
     assert_eq!(chosen.len(), 16);
     assert!(chosen.iter().all(|one| held.frame(looks[one.at].number).is_some()));

@@ -42,7 +42,7 @@ impl RawImage {
             return Ok(Original::Encoded(jpeg_file(&self.bytes).ok_or(BROKEN)?));
         }
         let upright = self.colours().ok_or(BROKEN)?;
-        Ok(Original::Pixels { upright, turned_deg: 0 })
+        Ok(Original::Pixels(upright))
     }
 
     fn colours(mut self) -> Option<RgbImage> {
