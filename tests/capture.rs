@@ -761,10 +761,7 @@ fn two_captures_do_not_fill_one_session() {
 }
 
 fn pixels(rgb: &RgbImage) -> Original {
-    Original::Pixels {
-        upright: rgb.clone(),
-        turned_deg: 0,
-    }
+    Original::Pixels(rgb.clone())
 }
 
 /// The library as a live camera will use it: pixels instead of files, frames that follow each other.

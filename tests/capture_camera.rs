@@ -100,7 +100,7 @@ fn raw(picture: &RgbImage, format: PixelFormat, bytes: Vec<u8>) -> RawImage {
 
 fn decoded(original: Original) -> RgbImage {
     match original {
-        Original::Pixels { upright: rgb, .. } => rgb,
+        Original::Pixels(rgb) => rgb,
         Original::Encoded(bytes) => Photo::from_bytes(Path::new("frame"), bytes, Budget::FILE)
             .unwrap()
             .rgb(1)
