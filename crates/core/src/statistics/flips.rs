@@ -192,7 +192,7 @@ impl Ordered {
             sums.fill(0.0);
             let mut bits = 0_u64;
             for (i, table) in tables.iter().enumerate() {
-                if i * TOGETHER % 64 == 0 {
+                if (i * TOGETHER).is_multiple_of(64) {
                     bits = rng.random();
                 }
                 sums.iter_mut().zip(table.by(bits)).for_each(|(sum, own)| *sum += own);
