@@ -88,9 +88,8 @@ pub fn comparison_table(scores: &Scores, comparison: &Comparison) -> String {
     lines.push(String::new());
     lines.extend(screen::on_screen(&tables::effects(scores, results, base)));
     if let Some(own) = &comparison.sequential {
-        let looks = tables::looks(scores, own);
-        lines.extend([String::new(), looks.caption.clone()]);
-        lines.extend(looks.lines());
+        lines.push(String::new());
+        lines.extend(tables::looks(scores, own).described());
     }
     lines.join("\n")
 }

@@ -116,7 +116,7 @@ fn change(scores: &Scores, r: &Compared) -> String {
     let p = r
         .finding
         .map(|finding| format!(", p {}", p_value(finding.confidence_p)));
-    let hits = [r.hit_rate.rate.base, r.hit_rate.rate.other].map(|rate| (rate * r.pairs as f64).round() as usize);
+    let hits = r.hits();
     format!(
         "{} from {} to {} (difference {}{}{}; {} of {} photos hit, then {})",
         scores.title(&r.detector),

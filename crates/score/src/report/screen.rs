@@ -19,8 +19,8 @@ pub fn summary_table(scores: &Scores) -> String {
     };
     lines.extend(on_screen(&main));
     for table in tables::asked_for(scores) {
-        lines.extend([String::new(), table.caption.clone()]);
-        lines.extend(whole(&table));
+        lines.push(String::new());
+        lines.extend(table.described());
     }
     lines.join("\n")
 }
@@ -34,8 +34,7 @@ pub fn further_tables(scores: &Scores) -> String {
         tables::outcomes(scores),
         tables::papers(scores),
     ] {
-        lines.push(table.caption.clone());
-        lines.extend(whole(&table));
+        lines.extend(table.described());
         lines.push(String::new());
     }
     lines.extend(disagreements(scores).into_iter().map(|sentence| sentence + "."));
@@ -55,13 +54,6 @@ pub fn further_tables(scores: &Scores) -> String {
     ));
     lines.push(format!("truth boxes: {}", truth_boxes(scores)));
     lines.join("\n")
-}
-
-/// A table with its notes, however wide.
-fn whole(table: &Table) -> Vec<String> {
-    let mut lines = table.lines();
-    lines.extend(table.notes.iter().cloned());
-    lines
 }
 
 /// A table with its notes, as wide as a screen.

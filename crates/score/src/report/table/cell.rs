@@ -1,5 +1,6 @@
 //! What stands in a cell.
 
+use crate::report::paired::ends;
 use scaleproof_core::spelling::digits;
 use scaleproof_core::statistics::Interval;
 
@@ -118,8 +119,7 @@ impl Cell {
             Value::Number { digits, .. } | Value::Change { digits, .. } => *digits,
             _ => 2,
         };
-        let ends = self.interval?;
-        Some(format!("[{}, {}]", number(ends.low, behind), number(ends.high, behind)))
+        Some(ends(self.interval?, |end| number(end, behind)))
     }
 
     /// The value, its interval and its remark in one line of plain text; a number that is shown to change has a star.

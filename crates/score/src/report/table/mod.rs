@@ -96,10 +96,6 @@ impl Table {
         }
     }
 
-    pub fn is_empty(&self) -> bool {
-        self.blocks.iter().all(Vec::is_empty)
-    }
-
     /// Adds rows that belong together. A text that the first column repeats from the row above is written once.
     pub fn add_block(&mut self, rows: impl IntoIterator<Item = Vec<Cell>>) {
         let mut rows: Vec<Vec<Cell>> = rows.into_iter().collect();

@@ -45,6 +45,12 @@ impl Table {
         rows.iter().map(line).collect()
     }
 
+    /// The caption, the lines however wide, and the notes.
+    pub fn described(&self) -> Vec<String> {
+        let lines = std::iter::once(self.caption.clone()).chain(self.lines());
+        lines.chain(self.notes.iter().cloned()).collect()
+    }
+
     /// The lines of a screen so many letters wide: long names in the first two columns are shortened in their middle, and the last columns are left out where they have no
     /// room, but never the first four.
     pub fn lines_within(&self, letters: usize) -> Vec<String> {

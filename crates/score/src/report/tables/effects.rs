@@ -33,7 +33,7 @@ pub(in crate::report) fn effects(scores: &Scores, results: &[Compared], base: &s
 
 fn row(scores: &Scores, r: &Compared) -> Vec<Cell> {
     let d = &r.mean_confidence;
-    let [from, to] = [r.hit_rate.rate.base, r.hit_rate.rate.other].map(|rate| (rate * r.pairs as f64).round() as usize);
+    let [from, to] = r.hits();
     let of = r.pairs;
     vec![
         Cell::text(scores.title(&r.detector)),

@@ -99,8 +99,12 @@ pub fn paired(scores: &Scores) -> &[Compared] {
 
 /// What a run says of its control against its base.
 pub fn paired_control(scores: &Scores) -> &[Compared] {
-    let control = compared_once(scores).and_then(|comparison| comparison.control.as_ref());
-    control.map_or(&[], |control| &control.results)
+    // Without one nothing need be compared to know it.
+    let own = scores
+        .control
+        .as_ref()
+        .and_then(|_| compared_once(scores)?.control.as_ref());
+    own.map_or(&[], |control| &control.results)
 }
 
 fn compared_once(scores: &Scores) -> Option<&Comparison> {

@@ -87,6 +87,12 @@ impl Compared {
     pub fn effect(&self) -> Effect {
         self.finding.map_or(Effect::NothingShown, |finding| finding.effect)
     }
+
+    /// Pairs that are hit on the base side and on the other.
+    pub fn hits(&self) -> [usize; 2] {
+        let rates = [self.hit_rate.rate.base, self.hit_rate.rate.other];
+        rates.map(|rate| (rate * self.pairs as f64).round() as usize)
+    }
 }
 
 /// The pairs of one place and bin.
