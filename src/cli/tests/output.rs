@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// Commands that write no file, or only into a folder that is their input.
-const WITHOUT: [&str; 16] = [
+/// Commands that write no file, only into a folder that is their input, or only a file of another kind (`plan --seal`).
+const WITHOUT: [&str; 17] = [
     "locate",
     "camera show",
     "session import",
@@ -19,6 +19,7 @@ const WITHOUT: [&str; 16] = [
     "scene show",
     "attack check",
     "attack judge",
+    "plan",
     "completions",
 ];
 
