@@ -390,7 +390,7 @@ fn slow(host: &str, path: &str) -> [String; 3] {
 }
 
 #[test]
-fn ten_thousand_malformed_uploads_are_refused_and_nothing_is_written() {
+fn two_thousand_malformed_uploads_are_refused_and_nothing_is_written() {
     let mut running = Running::start("upload", &[]);
     let before = tree(running.folder.path());
     let host = running.host();
@@ -408,7 +408,7 @@ fn ten_thousand_malformed_uploads_are_refused_and_nothing_is_written() {
                     let mut rng = Pcg64::seed_from_u64(thread);
                     let mut client = Client::new(host);
                     let mut statuses = Vec::new();
-                    for number in 0..1250 {
+                    for number in 0..250 {
                         let request = malformed(number, &mut rng).to(paths[thread as usize % 2]);
                         match client.try_to_send(&request) {
                             Some(answer) => statuses.push(answer.status),
@@ -439,14 +439,14 @@ fn ten_thousand_malformed_uploads_are_refused_and_nothing_is_written() {
         start.elapsed().as_secs_f64(),
         closed.load(Ordering::Relaxed)
     );
-    assert_eq!(done.load(Ordering::Relaxed), 10_000);
+    assert_eq!(done.load(Ordering::Relaxed), 2_000);
     assert!(
         statuses.keys().all(|status| (400..500).contains(status)),
         "{statuses:?}"
     );
     for expected in [400, 404, 413, 415, 422] {
         assert!(
-            statuses.get(&expected).is_some_and(|count| *count > 50),
+            statuses.get(&expected).is_some_and(|count| *count > 10),
             "{expected} in {statuses:?}"
         );
     }
