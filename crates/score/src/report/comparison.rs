@@ -49,7 +49,7 @@ pub fn write_comparison(folder: &Path, scores: &Scores, comparison: &Comparison)
         .to_vec();
     let figures = figures::of_comparison(scores, comparison)?;
     all.extend(figures.into_iter().map(|(name, content)| (folder.join(name), content)));
-    files::replace_all_atomically(&all)?;
+    files::replace_all_atomically(folder, &all)?;
     Ok(folder.join("comparison.html"))
 }
 

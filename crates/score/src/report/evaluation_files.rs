@@ -17,7 +17,10 @@ pub fn write_evaluation(folder: &Path, evaluation: &Evaluation) -> Result<PathBu
         ("differences.csv", differences_csv(evaluation)?),
         ("evaluation.tex", latex::evaluation(evaluation)),
     ];
-    files::replace_all_atomically(&texts.map(|(name, text)| (folder.join(name), text.into_bytes())))?;
+    files::replace_all_atomically(
+        folder,
+        &texts.map(|(name, text)| (folder.join(name), text.into_bytes())),
+    )?;
     Ok(folder.join("evaluation.html"))
 }
 

@@ -59,7 +59,7 @@ pub fn export(scores: &Scores, format: ExportFormat, folder: &Path, copy: bool) 
     let main = texts.first().map_or(folder.to_owned(), |(name, _)| folder.join(name));
     files::make_folder(folder, |inside| {
         for (name, text) in &texts {
-            files::write_atomically(&inside.join(name), text.as_bytes())?;
+            files::replace_atomically(inside, &inside.join(name), text.as_bytes())?;
         }
         scores.photos.iter().try_for_each(|photo| {
             let from = scores.sessions[photo.session].folder.join(&photo.file);

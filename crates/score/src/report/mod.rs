@@ -123,7 +123,7 @@ pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<
         .chain(figures);
     let files: Vec<_> = contents.map(|(name, content)| (folder.join(name), content)).collect();
     let before = Before::in_folder(folder);
-    files::replace_all_atomically(&files)?;
+    files::replace_all_atomically(folder, &files)?;
     remove_stale(folder, &before, scores, speeds)?;
     Ok(folder.join("report.html"))
 }
@@ -177,7 +177,9 @@ fn remove_stale(folder: &Path, before: &Before, scores: &Scores, speeds: Option<
     let names = built_in.chain(names.filter(|name| Manifest::is_name(name)));
     let others = names.filter(|name| scores.detectors.iter().all(|c| c.manifest.name != *name));
     stale.extend(others.map(|name| results_name(&name)));
-    Ok(stale.iter().try_for_each(|name| files::remove(&folder.join(name)))?)
+    Ok(stale
+        .iter()
+        .try_for_each(|name| files::chosen::remove(folder, &folder.join(name)))?)
 }
 
 fn results_name(detector: &str) -> String {

@@ -4,6 +4,7 @@
 //! very program file and its libraries. So nothing has to be thrown away when something changes, it is only not found any more.
 
 use std::hash::{BuildHasher, RandomState};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
@@ -11,6 +12,9 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use scaleproof_core::files;
+
+/// An entry is what was found in one photo: some kilobytes.
+const MOST_BYTES: u64 = 256 << 20;
 
 /// A folder of entries. Several threads, and several processes, may use one at the same time.
 #[derive(Debug)]
@@ -58,7 +62,8 @@ impl Cache {
     /// An entry, if it is there and whole; a damaged one is remembered for [`Cache::complaints`].
     pub fn get<T: DeserializeOwned>(&self, key: &Key) -> Option<T> {
         let path = self.path(key);
-        let bytes = std::fs::read(&path).ok()?;
+        std::fs::symlink_metadata(&path).ok()?;
+        let bytes = files::chosen::kept(&self.folder, &path, MOST_BYTES).unwrap_or_default();
         let value = bytes.split_at_checked(64).and_then(|(sum, content)| {
             let is_whole = sum == checksum(key, content).as_bytes();
             is_whole.then(|| postcard::from_bytes(content).ok()).flatten()
@@ -81,15 +86,20 @@ impl Cache {
         let content = postcard::to_allocvec(value).map_err(|e| e.to_string())?;
         let path = self.path(key);
         let folder = path.parent().unwrap_or(&self.folder);
-        std::fs::create_dir_all(folder).map_err(|e| files::plain(&e))?;
+        files::chosen::folder(&self.folder, folder).map_err(|e| e.to_string())?;
         // Two threads, or processes on two machines, may keep the same entry at once: each has a name of its own until it is
         // whole. Nothing waits for the disk: after a power cut the checksum tells.
         let temporary = folder.join(format!(".{:016x}.partial", RandomState::new().hash_one(&key.0)));
         let bytes = [checksum(key, &content).into_bytes(), content].concat();
-        let written = std::fs::write(&temporary, bytes).and_then(|()| std::fs::rename(&temporary, &path));
-        written.map_err(|e| {
-            let _ = std::fs::remove_file(&temporary);
-            files::plain(&e)
+        let written = || {
+            let mut file = files::chosen::new_file(&self.folder, &temporary)?;
+            let failed = |e| files::FileError::write(&temporary, &e);
+            file.write_all(&bytes).map_err(failed)?;
+            files::chosen::rename(&self.folder, &temporary, &path)
+        };
+        written().map_err(|e| {
+            let _ = files::chosen::remove(&self.folder, &temporary);
+            e.to_string()
         })
     }
 

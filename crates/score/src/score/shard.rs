@@ -289,7 +289,7 @@ impl Shard {
         let content = postcard::to_allocvec(self)?;
         let head = format!("{MAGIC}{VERSION}\n{}\n", files::sha256_hex(&content));
         let path = folder.join(self.id.file_name());
-        files::replace_atomically(&path, &[head.into_bytes(), content].concat())?;
+        files::replace_atomically(folder, &path, &[head.into_bytes(), content].concat())?;
         Ok(path)
     }
 
