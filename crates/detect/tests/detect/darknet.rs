@@ -185,8 +185,9 @@ fn nothing_is_held_because_a_configuration_says_so() {
         "{}",
         refusal(&large)
     );
-    let deep = format!("{head}{}{tail}", layer(6, 1).repeat(20_000));
-    assert!(refusal(&deep).contains("20001 layers"), "{}", refusal(&deep));
+    // 20,000 × 260 kB.
+    let deep = format!("{head}{}{}{tail}", layer(255, 1).repeat(20_000), layer(6, 1));
+    assert!(refusal(&deep).contains("numbers fewer"), "{}", refusal(&deep));
     let cells = format!("[net]\nwidth=8192\nheight=8192\nchannels=3\n{}{tail}", layer(2, 1));
     assert!(refusal(&cells).contains("8192 × 8192 cells"), "{}", refusal(&cells));
 }

@@ -22,6 +22,10 @@ pub(super) fn read(text: &str) -> Result<Camera, CameraFault> {
     if attributes.max() > Some(MOST_ATTRIBUTES) {
         return Err(syntax(format!("an element has more than {MOST_ATTRIBUTES} attributes")));
     }
+    // FileStorage has none, and the parser compares those of an element with those of all around it.
+    if text.contains("xmlns") {
+        return Err(syntax("it has namespaces".to_owned()));
+    }
     let document = Document::parse(text).map_err(|e| syntax(e.to_string()))?;
     let root = document.root_element();
     if !root.has_tag_name("opencv_storage") {

@@ -110,7 +110,8 @@ pub fn run(
     files::replace_atomically(folder, &job, plan.to_string().as_bytes())?;
     files::replace_atomically(folder, &script, SCRIPT.as_bytes())?;
     let mut child = Command::new(&python.program)
-        .args([&script, &job])
+        // Whole paths: the user's may begin with a hyphen.
+        .args([&script, &job].map(|path| std::path::absolute(path).unwrap_or_else(|_| path.clone())))
         .env("PYTHONPATH", &python.packages)
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
