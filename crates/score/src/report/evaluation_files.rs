@@ -1,4 +1,4 @@
-//! The files of an evaluation: page, tables for a paper, and what a spreadsheet reads.
+//! Files of an evaluation: its page, tables for a paper, and CSV for spreadsheets.
 
 use std::path::{Path, PathBuf};
 

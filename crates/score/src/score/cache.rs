@@ -1,4 +1,4 @@
-//! Results kept from run to run: what a photo showed is computed once, whatever is asked of it later.
+//! Results kept from run to run: each result on a photo is computed once, whatever later runs use it for.
 //!
 //! An entry is named by everything it depends on: the photo's content, the detector's weights and how they are fed and read, this
 //! very program file and its libraries. So nothing has to be thrown away when something changes, it is only not found any more.
@@ -24,7 +24,7 @@ pub struct Cache {
     problems: Mutex<Problems>,
 }
 
-/// What went wrong with entries; none of it changes a result.
+/// Problems with entries; none of them changes a result.
 #[derive(Debug, Default)]
 struct Problems {
     damaged: usize,
@@ -36,8 +36,7 @@ struct Problems {
 pub struct Key(String);
 
 impl Cache {
-    /// The cache in a folder, which need not exist yet. Results of another build of this program, or with other `libraries`,
-    /// are never taken.
+    /// Opens the cache in a folder, which need not exist yet. Results of another build of this program, or with other `libraries`, are never taken.
     pub fn open(folder: &Path, libraries: &str) -> Result<Cache, files::FileError> {
         files::check_writable(folder)?;
         let program = std::env::current_exe().map_err(|e| files::FileError::Read {
@@ -51,15 +50,15 @@ impl Cache {
         })
     }
 
-    /// The name of what depends on these `parts`, and on the program.
+    /// Returns the name of the entry that depends on these `parts`, and on the program.
     pub fn key(&self, parts: &[&str]) -> Key {
         let parts = [&[self.program.as_str()], parts].concat();
-        // Each part with its length: no two lists of parts look the same.
+        // Each part with its length: no two lists of parts give the same text.
         let text: String = parts.iter().map(|part| format!("{} {part}\n", part.len())).collect();
         Key(files::sha256_hex(text.as_bytes()))
     }
 
-    /// An entry, if it is there and whole; a damaged one is remembered for [`Cache::complaints`].
+    /// Returns an entry, if it is there and whole; a damaged one is remembered for [`Cache::complaints`].
     pub fn get<T: DeserializeOwned>(&self, key: &Key) -> Option<T> {
         let path = self.path(key);
         std::fs::symlink_metadata(&path).ok()?;
@@ -76,7 +75,7 @@ impl Cache {
         value
     }
 
-    /// Keeps an entry. That it cannot be written costs only the next run's time, so it is remembered and the run goes on.
+    /// Writes an entry. A failure costs only the next run's time, so it is remembered and the run goes on.
     pub fn put<T: Serialize>(&self, key: &Key, value: &T) {
         let Err(reason) = self.write(key, value) else { return };
         self.problems().not_written.get_or_insert(reason);
@@ -103,7 +102,7 @@ impl Cache {
         })
     }
 
-    /// What a user should know about the cache, as sentences.
+    /// Returns the problems of the cache, as sentences for the user.
     pub fn complaints(&self) -> Vec<String> {
         let problems = self.problems();
         let damaged = problems.first_damaged.as_ref().map(|first| {
@@ -122,7 +121,7 @@ impl Cache {
         damaged.into_iter().chain(not_written).collect()
     }
 
-    /// Where an entry lies. Folders by the first two digits: file systems and people dislike folders of a hundred thousand files.
+    /// Returns the path of an entry. Folders by the first two digits: file systems and people dislike folders of a hundred thousand files.
     pub fn path(&self, key: &Key) -> PathBuf {
         self.folder.join(&key.0[..2]).join(&key.0[2..])
     }
@@ -132,7 +131,7 @@ impl Cache {
     }
 }
 
-/// Of the name too: an entry under another's name is no entry.
+/// Returns the SHA-256 of an entry's name and content: an entry under another's name is no entry.
 fn checksum(key: &Key, content: &[u8]) -> String {
     files::sha256_hex(&[key.0.as_bytes(), content].concat())
 }

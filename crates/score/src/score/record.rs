@@ -13,7 +13,7 @@ pub enum RecordError {
     File(#[from] FileError),
 }
 
-/// Finds out before a run that its detections can be stored, and, unless `replace`, that none are stored yet.
+/// Checks before a run that its detections can be stored, and, unless `replace`, that none are stored yet.
 pub fn check_recordings(
     sessions: &[Session],
     detectors: &[EvaluatedDetector],
