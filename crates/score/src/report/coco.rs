@@ -126,7 +126,7 @@ pub(super) fn truth(scores: &Scores) -> serde_json::Result<String> {
     annotations(scores, |photo| photo.file.clone(), names, model)
 }
 
-/// A COCO annotation file whose images have these names, with boxes of the category `model`.
+/// Returns a COCO annotation file whose images have these names, with boxes of the category `model`.
 pub(super) fn annotations(
     scores: &Scores,
     file_name: impl Fn(&ScoredPhoto) -> String,

@@ -286,8 +286,7 @@ fn numbers(sigma: &Sigma) -> [f64; 3] {
 }
 
 /// Returns rows of sessions, those of one name together, and of views simulated on the first of them, with copies of its photos lit unevenly; without
-/// views, of
-/// the photos alone. `on_photo` is called after each photo of [`photos`].
+/// views, of the photos alone. `on_photo` is called after each photo of [`photos`].
 pub fn measure(
     sessions: &[(Session, PathBuf)],
     views: usize,

@@ -367,7 +367,7 @@ struct Soup {
     mesh: Mesh,
     /// Indices of the materials of each name.
     named: HashMap<String, Vec<usize>>,
-    /// The index of each place met so far, by the bits of its coordinates.
+    /// Index of each place read so far, by the bits of its coordinates.
     index: HashMap<[u64; 3], usize>,
 }
 

@@ -50,8 +50,7 @@ pub struct PaintDoubt {
 }
 
 /// Returns the materials that are the paint, by name, with the reason as a clause; no name stands for all of the mesh. `seen` is each material's
-/// share
-/// of what is seen of the model from all around.
+/// share of what is seen of the model from all around.
 ///
 /// # Errors
 /// Materials of which two have almost equal claims.
