@@ -32,7 +32,7 @@ struct Image<'a> {
     session: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     place: Option<&'a str>,
-    /// Azimuth, pitch and distance, where they are known.
+    /// Azimuth, elevation and distance, where they are known.
     #[serde(flatten)]
     viewpoint: Option<Viewpoint>,
     /// Weather, light and others, which `session import` keeps.

@@ -57,7 +57,7 @@ pub struct SigmaView {
 #[derive(Debug, Clone, Default)]
 pub struct SigmaErrors {
     pub views: usize,
-    /// Errors of azimuth, pitch and distance of each answered view, in σ.
+    /// Errors of azimuth, elevation and distance of each answered view, in σ.
     pub in_sigmas: Vec<[f64; 3]>,
     /// Bins stated with 99 % or more, and how many of them were wrong.
     pub sure_bins: usize,
