@@ -208,8 +208,7 @@ fn look_at(
 }
 
 /// Returns the sharper half, and of it those that differ most, in the order of the video: the sharpest first, then always the one that is furthest
-/// from all that were
-/// taken (farthest-point sampling: Gonzalez 1985, "Clustering to minimize the maximum intercluster distance").
+/// from all that were taken (farthest-point sampling: Gonzalez 1985, "Clustering to minimize the maximum intercluster distance").
 fn choose(photos: Vec<BoardPhoto>) -> Vec<BoardPhoto> {
     let width = |photo: &BoardPhoto| photo.edge_width_px.unwrap_or(f64::INFINITY);
     let usual = upper_median(&photos.iter().map(width).collect::<Vec<_>>()).unwrap_or(f64::INFINITY);

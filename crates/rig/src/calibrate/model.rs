@@ -30,8 +30,7 @@ pub enum LensModel {
 
 impl LensModel {
     /// Models in the order in which they are preferred. Each contains those before it, but for the fisheye, which contains none and is contained in
-    /// none: it
-    /// stands behind `plumb_bob`, which more programs read, and before `rational`, which has more numbers.
+    /// none: it stands behind `plumb_bob`, which more programs read, and before `rational`, which has more numbers.
     pub const LADDER: [LensModel; 7] = [
         LensModel::F,
         LensModel::FC,

@@ -7,7 +7,7 @@ use super::model::LensModel;
 use super::{BoardPhoto, UnusedPhoto};
 use scaleproof_core::statistics::upper_median;
 
-/// Models by which photos are judged, the last rich enough that a lens is no outlier.
+/// Models fitted in turn for the judge of photos, the last rich enough that a lens is no outlier.
 const JUDGE: [LensModel; 3] = [LensModel::FC, LensModel::K1K2, LensModel::PlumbBob];
 /// Share of the squared residuals below which a fisheye judges instead.
 const FISHEYE_SHARE: f64 = 0.5;

@@ -15,8 +15,7 @@ const READ_OUT_S: f64 = 0.02;
 pub type Motion = BTreeMap<(String, usize), [f64; 2]>;
 
 /// Least standard deviation of a read-out, s: a hand turns back between frames, which makes their motions seem slower and the read-out longer. In
-/// four rendered videos it was off by 0.7, 0.8, 1.3
-/// and 3.7 ms.
+/// four rendered videos it was off by 0.7, 0.8, 1.3 and 3.7 ms.
 const LEAST_SIGMA_S: f64 = 0.002;
 
 /// Time that the sensor took to read a frame, s.

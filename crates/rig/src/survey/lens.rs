@@ -13,8 +13,7 @@ use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::expected_px2;
 
 /// Expected errors of a calibration, σ of each number. Autofocus moves the focal length by about so much from photo to photo; the coefficients are
-/// those of
-/// a lens that moves its image by 1 % at the middle of a side.
+/// those of a lens that moves its image by 1 % at the middle of a side.
 const EXPECTED: [f64; LENS] = [0.01, 0.05, 0.2];
 
 /// Number of σ of a corner coordinate by whose square the cost must fall for a lens to be taken; the expected σ ([`expected_px2`]) where the photos

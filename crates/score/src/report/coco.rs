@@ -32,7 +32,7 @@ struct Image<'a> {
     session: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     place: Option<&'a str>,
-    /// Azimuth, pitch and distance, where they are known.
+    /// Azimuth, elevation and distance, where they are known.
     #[serde(flatten)]
     viewpoint: Option<Viewpoint>,
     /// Weather, light and others, which `session import` keeps.
@@ -126,7 +126,7 @@ pub(super) fn truth(scores: &Scores) -> serde_json::Result<String> {
     annotations(scores, |photo| photo.file.clone(), names, model)
 }
 
-/// A COCO annotation file whose images have these names, with boxes of the category `model`.
+/// Returns a COCO annotation file whose images have these names, with boxes of the category `model`.
 pub(super) fn annotations(
     scores: &Scores,
     file_name: impl Fn(&ScoredPhoto) -> String,

@@ -12,7 +12,7 @@ pub fn render(scores: &Scores) -> Result<String, ReportError> {
 
 #[derive(Default)]
 struct Group<'a> {
-    /// `all`, `azimuth`, `cell` (azimuth × pitch × distance), `place` or `condition`.
+    /// `all`, `azimuth`, `cell` (azimuth × elevation × distance), `place` or `condition`.
     kind: &'static str,
     azimuth_deg: Option<f64>,
     cell: Option<Bin>,

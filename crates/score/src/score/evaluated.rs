@@ -25,7 +25,7 @@ pub struct EvaluatedDetector {
 }
 
 impl EvaluatedDetector {
-    /// Returns true if it may look at the whole of a photo of this size, not at a reduced one.
+    /// Returns true if it may take the whole of a photo of this size, not a reduced one.
     pub(super) fn looks_at_whole(&self, size: [u32; 2]) -> bool {
         match &self.source {
             DetectionSource::Live(_) => self.manifest.least_px(size[0], size[1]) == size,
@@ -46,7 +46,7 @@ pub enum DetectionSource {
     Program(Arc<ProgramDetector>),
     /// A function of this process.
     Called(Arc<CalledDetector>),
-    /// Another program that looked at the photos elsewhere, and is not needed here.
+    /// Another program that was run elsewhere, and is not needed here.
     Elsewhere(Box<ForeignCard>),
 }
 
@@ -116,7 +116,7 @@ impl EvaluatedDetector {
         EvaluatedDetector::new(manifest, source, class)
     }
 
-    /// Makes a detector of another program that looked at the photos elsewhere, for shards.
+    /// Makes a detector of another program that was run elsewhere, for shards.
     pub fn foreign_elsewhere(card: &ForeignCard, class: &Classes) -> Result<Self, EvaluatedDetectorError> {
         let source = DetectionSource::Elsewhere(Box::new(card.clone()));
         EvaluatedDetector::new(Manifest::of_foreign(card), source, class)

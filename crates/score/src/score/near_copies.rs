@@ -10,8 +10,8 @@ use scaleproof_photo::photo::{Budget, Photo, bits_apart};
 use scaleproof_pose::locate::Sigma;
 
 /// Largest number of the 256 bits in which perceptual hashes of near-copies differ. Measured: JPEG qualities 20 to 90, 40 % of the size, or noise of
-/// 6 grey levels
-/// change 33 bits at most in 200 photos (51 in one, nearly black); views that differ change 55 and more, unless little but the background is seen.
+/// 6 grey levels change 33 bits at most in 200 photos (51 in one, nearly black); views that differ change 55 and more, unless little but the
+/// background is seen.
 const MOST_BITS: u32 = 48;
 
 /// Largest mean difference in levels between the insides of the truth boxes of one photo: JPEG quality 20 changes 3 of them, another texture 20 and

@@ -14,7 +14,7 @@ use scaleproof_plot::distinct;
 use scaleproof_pose::tags::TagDetectorChoice;
 use scaleproof_session::session::Session;
 
-/// Photos, the sessions they are from, and the detectors that looked at them.
+/// Photos, the sessions they are from, and the detectors that were run on them.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ScoredSet<'a> {
     pub photos: &'a [ScoredPhoto],
@@ -136,7 +136,7 @@ impl Scores {
         all
     }
 
-    /// Lists near-copies among the photos again, for other programs that look at all of them.
+    /// Lists near-copies among the photos again, for other programs that take all of them.
     pub fn with_copies(mut self) -> Scores {
         self.photos.append(&mut self.copies);
         self.photos.sort_by_key(|photo| photo.id);

@@ -1,5 +1,4 @@
-//! Methods compared on the same photos: the charts that choose the defaults, and the sweeps that show where
-//! each method breaks.
+//! Methods compared on the same photos: the charts that choose the defaults, and the sweeps that show where each method breaks.
 
 pub mod capture;
 pub mod envelope;

@@ -57,7 +57,7 @@ pub struct SigmaView {
 #[derive(Debug, Clone, Default)]
 pub struct SigmaErrors {
     pub views: usize,
-    /// Errors of azimuth, pitch and distance of each answered view, in σ.
+    /// Errors of azimuth, elevation and distance of each answered view, in σ.
     pub in_sigmas: Vec<[f64; 3]>,
     /// Bins stated with 99 % or more, and how many of them were wrong.
     pub sure_bins: usize,
@@ -286,8 +286,7 @@ fn numbers(sigma: &Sigma) -> [f64; 3] {
 }
 
 /// Returns rows of sessions, those of one name together, and of views simulated on the first of them, with copies of its photos lit unevenly; without
-/// views, of
-/// the photos alone. `on_photo` is called after each photo of [`photos`].
+/// views, of the photos alone. `on_photo` is called after each photo of [`photos`].
 pub fn measure(
     sessions: &[(Session, PathBuf)],
     views: usize,

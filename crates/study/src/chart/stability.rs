@@ -298,8 +298,7 @@ pub fn photo_steps(photos: usize) -> usize {
 }
 
 /// Returns copies of the photos, each spoiled in one way by one amount, both at random, from harmless to hopeless. None is cut: a camera file fits no
-/// cut
-/// photo.
+/// cut photo.
 pub fn spoiled(samples: &[PhotoSample], scene: &Scene, copies: u32, seed: u64) -> Result<Vec<PhotoSample>, StartError> {
     let ways: Vec<(Spoil, SweepAmount)> = spoils().filter(|(spoil, _)| *spoil != Spoil::Crop).collect();
     let mut rng = Pcg64Mcg::seed_from_u64(seed);

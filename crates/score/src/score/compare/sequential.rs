@@ -1,4 +1,4 @@
-//! Sequential comparison, looked at after every pair, or every place: the first finding, its look, and its p value.
+//! Sequential comparison, with a look after every pair, or every place: the first finding, its look, and its p value.
 
 use std::collections::BTreeMap;
 

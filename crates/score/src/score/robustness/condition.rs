@@ -1,4 +1,4 @@
-//! Conditions of a photo under which the detectors look at it.
+//! Conditions of a photo under which the detectors are run.
 
 use std::sync::Arc;
 

@@ -76,7 +76,7 @@ pub(super) fn at(
     conditions.iter().map(&mut under).collect()
 }
 
-/// An image that the detectors look at.
+/// An image that the detectors are run on.
 struct View {
     frame: Frame,
     /// Place of the image in the photo at full size, px.

@@ -32,8 +32,7 @@ use scaleproof_session::session::Session;
 type Seen = Vec<Result<ScoredPhoto, NotScoredReason>>;
 
 /// Runs the detectors on every photo of a run again, at each severity of each of these corruptions, and compares the variants with the base, and with
-/// the random
-/// control where there is one. `None` where no photos pair. `on_photo` is called after each photo.
+/// the random control where there is one. `None` where no photos pair. `on_photo` is called after each photo.
 pub fn under_corruption(
     scores: &Scores,
     corruptions: &[Corruption],
@@ -188,8 +187,7 @@ fn comparisons<'a>(scores: &'a Scores) -> Vec<(&'a str, &'a str)> {
 }
 
 /// Joins the rows of each corruption, the reduced photo before its severities. `compared`, `changes`: those of the reduced photo, then those of each
-/// corruption's
-/// severities.
+/// corruption's severities.
 fn together(
     corruptions: &[Corruption],
     compared: Vec<Vec<Held>>,
