@@ -138,7 +138,7 @@ fn fields(message: &[u8]) -> Result<Vec<(u64, Field<'_>)>> {
 fn text(bytes: &[u8]) -> Result<String> {
     match std::str::from_utf8(bytes) {
         Ok(text) => Ok(text.to_owned()),
-        Err(_) => fault("it has a name that is no text"),
+        Err(_) => fault("it has a text that is not UTF-8"),
     }
 }
 
