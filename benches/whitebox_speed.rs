@@ -11,7 +11,7 @@ use std::time::Instant;
 
 use ort::environment::Environment;
 use ort::session::Session;
-use scaleproof::{BoxPx, Boxes, DeviceKind, Manifest, OnnxDetector, WhiteBox};
+use scaleproof::{BoxPx, Boxes, Manifest, OnnxDetector, WhiteBox};
 
 const ROUNDS: usize = 15;
 /// Images a thread looks at while two are at work.
@@ -122,7 +122,7 @@ fn answer(path: &Path) {
     let manifest = Manifest::parse(&text, &path.display().to_string()).expect("a manifest");
     let weights = path.with_file_name(&manifest.weights.file);
     let car = manifest.labels.find("car").expect("a label \"car\"");
-    let detector = OnnxDetector::open(&manifest, &weights, &[car], DeviceKind::Cpu).expect("a detector");
+    let detector = OnnxDetector::open(&manifest, &weights, &[car]).expect("a detector");
     let (picture, size) = picture();
     let best = detector.predictions(&picture, size).expect("predictions");
     let best = best.iter().max_by(|a, b| a.confidence.total_cmp(&b.confidence));

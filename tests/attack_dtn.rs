@@ -6,7 +6,6 @@ use crate::common;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 
-use burn::tensor::Device;
 use common::{assert_refused, home, program, read_json, stdout};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
@@ -50,7 +49,7 @@ fn plan(encoder: Encoder, depth: usize, transformer: Transformer) -> TrainingPla
 }
 
 fn trainer(plan: TrainingPlan) -> Trainer {
-    Trainer::new(plan, Device::flex()).unwrap()
+    Trainer::new(plan).unwrap()
 }
 
 /// The network's model of the first stored view.
@@ -284,7 +283,7 @@ fn going_on_is_as_if_it_had_not_stopped() {
     train(&mut whole, &set, TrainingBudget::Epochs(12), &path, |_, _| ()).unwrap();
     let mut first = trainer(plan);
     train(&mut first, &set, TrainingBudget::Epochs(7), &path, |_, _| ()).unwrap();
-    let mut second = Trainer::go_on(file::load(&path).unwrap(), Device::flex()).unwrap();
+    let mut second = Trainer::go_on(file::load(&path).unwrap()).unwrap();
     assert_eq!(second.steps, 7);
     train(&mut second, &set, TrainingBudget::Epochs(12), &path, |_, _| ()).unwrap();
     let paint = vec![[0.3, 0.1, 0.7]; 96 * 64];

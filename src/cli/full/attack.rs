@@ -5,22 +5,15 @@ mod baseline;
 mod chart;
 mod colours;
 mod demo;
-mod device;
 mod evaluate;
 mod history;
 mod import;
 mod judge;
-#[cfg(feature = "attack")]
-mod networks;
-#[cfg(not(feature = "attack"))]
-#[path = "attack/no_networks.rs"]
-mod networks;
 mod on_frames;
 mod photos;
 mod render;
 mod run;
-
-pub(in crate::cli) use networks::keep_refusals_quiet;
+mod train_dtn;
 
 use std::error::Error;
 use std::io::Write;
@@ -47,8 +40,7 @@ pub(in crate::cli) enum Command {
     Colours(colours::ColoursArgs),
     Chart(chart::ChartArgs),
     Evaluate(Box<evaluate::EvaluateArgs>),
-    #[command(flatten)]
-    Networks(networks::Command),
+    TrainDtn(train_dtn::TrainArgs),
     Run(Box<run::RunArgs>),
     /// Make the patterns an attack must beat, and judge them by the same views
     #[command(subcommand)]
@@ -69,8 +61,16 @@ pub(in crate::cli) struct CheckArgs {
     json: bool,
 }
 
-pub(in crate::cli) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    networks::advice(error).or_else(|| advice::advice(error))
+pub(in crate::cli) use advice::advice;
+
+/// Libraries that panic on a damaged network are caught where they are called; nobody needs to read of it.
+pub(in crate::cli) fn keep_refusals_quiet() {
+    let usual = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |about| {
+        if !scaleproof_gradients::network::is_refusing() {
+            usual(about);
+        }
+    }));
 }
 
 /// Detectors, and the name and hash of each.
@@ -86,7 +86,7 @@ pub(in crate::cli) fn run(command: Command, out: &mut dyn Write) -> CommandResul
         Command::Colours(args) => colours::run(&args, out),
         Command::Chart(args) => chart::run(&args, out),
         Command::Evaluate(args) => evaluate::run(&args, out),
-        Command::Networks(command) => networks::run(command, out),
+        Command::TrainDtn(args) => train_dtn::run(&args, out),
         Command::Run(args) => run::run(&args, out),
         Command::Baseline(method) => baseline::run(*method, out),
         Command::Judge(args) => judge::run(&args, out),
@@ -140,7 +140,7 @@ fn check(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 pub(in crate::cli) fn schemas() -> Vec<Named> {
-    let mut all = vec![
+    vec![
         named::<CheckedFrames>("attack-check"),
         named::<evaluate::Evaluated>("attack-evaluate"),
         named::<WrittenFrames>("attack-frames"),
@@ -148,8 +148,7 @@ pub(in crate::cli) fn schemas() -> Vec<Named> {
         named::<judge::Judgement>("attack-judge"),
         named::<photos::FramesOfPhotos>("attack-photos"),
         named::<on_frames::Made>("attack-run"),
+        named::<train_dtn::TrainedNetwork>("attack-train-dtn"),
         named::<scaleproof_frames::surrogate::chart::Numbers>("renderers"),
-    ];
-    all.extend(networks::schemas());
-    all
+    ]
 }
