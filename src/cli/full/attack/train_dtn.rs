@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::render::hexes;
 use crate::cli::answer::told;
 use crate::cli::choice::one_of;
-use super::render::hexes;
 use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
 use scaleproof_core::spelling::count;
