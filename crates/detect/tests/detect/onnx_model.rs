@@ -1,7 +1,7 @@
 //! What is read of ONNX files, beside ONNX Runtime.
 
 use ort::session::Session;
-use ort::value::{Tensor as OrtTensor, ValueType};
+use ort::value::{DynValue, Tensor as OrtTensor};
 use scaleproof_detect::onnx_model::{Attribute, Model, Numbers, Tensor};
 use scaleproof_detect::{Runtime, darknet_to_onnx};
 
@@ -191,18 +191,16 @@ fn reads_as_onnx_runtime(name: &str, network: &[u8]) {
     let with_outputs = [network.to_vec(), bytes(7, &outputs.collect::<Vec<u8>>())].concat();
     let mut session = session(&with_outputs);
     let given = session.inputs().iter().map(|input| {
-        let ValueType::Tensor { shape, .. } = input.dtype() else {
-            panic!("{name}")
-        };
-        let shape: Vec<i64> = shape.iter().map(|side| (*side).max(1)).collect();
-        let count = shape.iter().product::<i64>() as usize;
-        let value = match shape.len() {
-            2 => OrtTensor::from_array((shape, vec![320_i64; count])).unwrap().into_dyn(),
-            _ => OrtTensor::from_array((shape, vec![0.5_f32; count])).unwrap().into_dyn(),
+        let sides = input.dtype().tensor_shape().unwrap();
+        let sides: Vec<i64> = sides.iter().map(|side| (*side).max(1)).collect();
+        let count = sides.iter().product::<i64>() as usize;
+        let value: DynValue = match sides.len() {
+            2 => OrtTensor::from_array((sides, vec![320_i64; count])).unwrap().into_dyn(),
+            _ => OrtTensor::from_array((sides, vec![0.5_f32; count])).unwrap().into_dyn(),
         };
         (input.name().to_owned(), value)
     });
-    let given: Vec<(String, ort::value::DynValue)> = given.map(|(name, value)| (name, value.into_dyn())).collect();
+    let given: Vec<(String, DynValue)> = given.collect();
     let answers = session.run(given).unwrap();
     for constant in &constants {
         let Tensor { shape, numbers } = &model.constants[*constant];
