@@ -26,6 +26,8 @@ use scaleproof_gradients::{Boxes, Prediction, WhiteBox};
 use crate::common::onnx;
 #[path = "attack_onnx/parity.rs"]
 pub(super) mod parity;
+#[path = "attack_onnx/stored.rs"]
+mod stored;
 
 const CAR: usize = 2;
 
