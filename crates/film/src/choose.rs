@@ -12,7 +12,7 @@ use scaleproof_pose::scene::{Bin, Bins, Viewpoint};
 
 /// A frame blurred by more than this, px (standard deviation), is not sharp.
 const SHARP_PX: f64 = MAX_BLUR_PX;
-/// What nearby means, in azimuth and in pitch.
+/// Bounds of "nearby", in azimuth and in pitch.
 const NEARBY_DEG: f64 = 5.0;
 /// Frames that differ by less, as a share of what is sharp yet, are equally sharp: among them the one in which the camera moves least is the best.
 const ALIKE: f64 = 0.2;
@@ -79,7 +79,7 @@ impl Refusal {
     }
 }
 
-/// What is asked of frames.
+/// Demands on frames.
 #[derive(Debug, Clone)]
 pub struct Wish<'a> {
     pub bins: &'a Bins,
@@ -101,7 +101,7 @@ pub struct Chosen {
 }
 
 impl Wish<'_> {
-    /// What keeps a frame from being chosen.
+    /// Reason why a frame is not chosen.
     pub fn refusal(&self, look: &Look) -> Option<Refusal> {
         let view = match &look.shows {
             Err(Unplaced::NoTags) => return Some(Refusal::NoTags),
@@ -238,7 +238,7 @@ impl Fit<'_> {
     }
 }
 
-/// How far two viewpoints are apart: the way between the camera centres as an angle at the farther one's distance, degrees. Other distances count as
+/// Distance between two viewpoints: the way between the camera centres as an angle at the farther one's distance, degrees. Other distances count as
 /// other directions do.
 pub fn apart_deg(a: &Viewpoint, b: &Viewpoint) -> f64 {
     let [one, other] = [a, b].map(|v| v.camera_centre_mm(nalgebra::Point3::origin()));

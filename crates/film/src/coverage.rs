@@ -90,7 +90,7 @@ fn marks(wish: &Wish, views: &[(&Viewpoint, Option<Refusal>)], kept: &[Kept]) ->
     marks
 }
 
-/// How far the camera stood from the middle of the model, on the ground, mm.
+/// Distance of the camera from the middle of the model, on the ground, mm.
 fn ground_mm(v: &Viewpoint) -> f64 {
     v.distance_mm * v.pitch_deg.to_radians().cos()
 }

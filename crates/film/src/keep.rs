@@ -43,7 +43,7 @@ pub enum KeepError {
     Interrupted,
 }
 
-/// What photos are made of.
+/// Sources that the photos are made of.
 pub struct Keeper<'a> {
     pub video: &'a Video,
     /// The video's name and SHA-256.
@@ -77,12 +77,12 @@ pub struct Kept {
     pub measures: Measures,
     /// The wanted viewpoint it was chosen for, by its place, and how far its own is from that.
     pub pair: Option<(usize, PairDifference)>,
-    /// What a photographer would be told, as a sentence, where its light is not right.
+    /// Advice to a photographer, a sentence, where the light of the frame is not right.
     pub advice: Option<String>,
     pub thumbnail: RgbImage,
 }
 
-/// How the viewpoints of a pair differ.
+/// Differences between the viewpoints of a pair.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct PairDifference {
     /// The way between the two camera centres as an angle at the farther one's distance.

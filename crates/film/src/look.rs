@@ -1,4 +1,4 @@
-//! What each frame of a video shows: fast, since most frames are never kept.
+//! A first look at each frame of a video: fast, since most frames are never kept.
 //!
 //! The pose of the frame before says where tags are, and only there it is looked. Every so often, and when that fails, the whole image is
 //! searched, reduced. What is kept is located again by the search that photos get (`keep.rs`).
@@ -29,23 +29,23 @@ const LOOKED_AT_PX: u32 = 1920;
 pub struct Look {
     /// Its number in the video, from 0.
     pub number: u64,
-    /// When it is shown, s since the start of the video.
+    /// Time at which it is shown, s since the start of the video.
     pub time_s: f64,
     /// The frame's number from which on it can be decoded.
     pub key: u64,
-    /// What it shows; `Err` where there is no pose.
+    /// Its pose and sharpness; `Err` where there is no pose.
     pub shows: Result<View, Unplaced>,
 }
 
-/// What a frame with a pose shows.
+/// Findings in a frame with a pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     pub viewpoint: Viewpoint,
-    /// What the camera's motion adds to σ of the viewpoint, set by [`crate::motion::set`]; `None` until then, and where the frames before or after have no pose.
+    /// Share of the camera's motion in σ of the viewpoint, set by [`crate::motion::set`]; `None` until then, and where the frames before or after have no pose.
     pub moved: Option<Sigma>,
     /// Standard deviation of the blur in its worst direction, px; `None` where no whole tag is large enough to tell.
     pub blur_px: Option<f64>,
-    /// Whether the model's whole box lies in the image.
+    /// True if the model's whole box lies in the image.
     pub is_model_whole: bool,
     /// The probability that the viewpoint's bin is the right one.
     pub bin_probability: f64,
@@ -182,7 +182,7 @@ impl<'a> Looker<'a> {
         locate_luma(luma, self.turned_deg, guess, self.scene, self.camera, tags.as_mut())
     }
 
-    /// Where the camera would be if it moved on as it did.
+    /// Camera's expected place if it moves on as it did.
     fn guess(&self) -> Option<Rigid> {
         match self.poses {
             [Some(before), Some(last)] => Some(last * before.inverse() * last),
@@ -202,7 +202,7 @@ impl<'a> Looker<'a> {
     }
 }
 
-/// Whether two frames show one picture.
+/// True if two frames show one picture.
 fn is_alike(one: &Picture, other: &Picture) -> bool {
     one.difference(other).is_some_and(|levels| levels < ALIKE_LEVELS)
 }

@@ -1,4 +1,4 @@
-//! What the camera's motion in a frame adds to σ of its viewpoint, by the frames before and after it.
+//! Share of the camera's motion in σ of a frame's viewpoint, by the frames before and after it.
 //!
 //! The rows of a frame are read one after the other (rolling shutter), and no header says how long that takes: tags are seen up to half of it before or after the middle row.
 
@@ -32,7 +32,7 @@ pub fn set(looks: &mut [Look]) {
     }
 }
 
-/// How far the viewpoint moves in half the read-out, taken as one standard deviation. The speed is the root mean square of those to both sides: a hand that turns
+/// Motion of the viewpoint in half the read-out, taken as one standard deviation. The speed is the root mean square of those to both sides: a hand that turns
 /// back does not stand still.
 fn moved(at: &Viewpoint, sides: &[(&Viewpoint, f64); 2]) -> Sigma {
     let sigma = |way: &dyn Fn(&Viewpoint) -> f64| {

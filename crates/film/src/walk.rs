@@ -119,7 +119,7 @@ impl Walk {
         Ok((looks, held))
     }
 
-    /// How many frames there will be to look at, by the header.
+    /// Number of frames to look at, by the header.
     pub fn expected(&self, part: &Selection) -> usize {
         let video = &self.video;
         let whole_s = video.duration_s.unwrap_or(0.0);
@@ -129,7 +129,7 @@ impl Walk {
         (seconds * rate / part.every as f64).clamp(0.0, 1e9).round() as usize
     }
 
-    /// What is asked of its frames.
+    /// Demands on its frames.
     pub fn wish(&self, per_bin: usize, apart_s: f64) -> Wish<'_> {
         Wish {
             bins: &self.scene.bins,
@@ -201,7 +201,7 @@ impl Walk {
             .collect()
     }
 
-    /// What to know before the photos are believed, as sentences.
+    /// Cautions to read before the photos are believed, as sentences.
     pub fn notes(&self, kept: &[Kept]) -> Vec<String> {
         let mut notes: Vec<String> = self.video.colour_note().into_iter().collect();
         let faults = self.wanted.faults.iter();
