@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use scaleproof_detect::Manifest;
-use scaleproof_gradients::network::onnx::OnnxNetwork;
+use scaleproof_gradients::onnx::OnnxNetwork;
 
 use super::others;
 use super::parity::{FOLLOWED, numbers, photo, photos};
@@ -89,13 +89,7 @@ fn outputs_and_gradients_are_those_of_the_engine_before() {
     for (manifest, path, photo_size) in all() {
         let [width, height] = manifest.input.size_px.map(|side| side as usize);
         let (bytes, shape) = (std::fs::read(path).unwrap(), [1, 3, height, width]);
-        let network = OnnxNetwork::read(
-            &bytes,
-            &manifest.name,
-            &shape,
-            photo_size,
-            &burn::tensor::Device::flex(),
-        );
+        let network = OnnxNetwork::read(&bytes, &manifest.name, &shape, photo_size);
         found.insert(
             manifest.name.clone(),
             looked(&network.unwrap(), numbers(&photo, &manifest)),
