@@ -59,7 +59,7 @@ pub use {
     scaleproof_attack::run::{Attack, AttackConfig, CellColours, RunError},
     scaleproof_frames::frames::{FrameSet, FramesError},
     scaleproof_frames::surrogate::projection::Grid,
-    scaleproof_gradients::{Boxes, WhiteBox, WhiteBoxError, network::detector::OnnxDetector},
+    scaleproof_gradients::{Boxes, WhiteBox, WhiteBoxError, detector::OnnxDetector},
 };
 
 /// The program `scaleproof`: its exit code, given its arguments with its own name first.

@@ -63,16 +63,6 @@ pub(in crate::cli) struct CheckArgs {
 
 pub(in crate::cli) use advice::advice;
 
-/// Libraries that panic on a damaged network are caught where they are called; nobody needs to read of it.
-pub(in crate::cli) fn keep_refusals_quiet() {
-    let usual = std::panic::take_hook();
-    std::panic::set_hook(Box::new(move |about| {
-        if !scaleproof_gradients::network::is_refusing() {
-            usual(about);
-        }
-    }));
-}
-
 /// Detectors, and the name and hash of each.
 type WhiteBoxes = (Vec<Box<dyn WhiteBox>>, Vec<String>);
 

@@ -5,7 +5,6 @@ use crate::common;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use burn::tensor::Device;
 use common::{home, shared};
 use image::RgbImage;
 use parity::{FOLLOWED, as_written, by_network, by_onnx_runtime, numbers, photo, photos, session, worst_difference};
@@ -18,14 +17,15 @@ use scaleproof_attack::run::{Attack, AttackConfig};
 use scaleproof_detect::{Detector, Hints, Manifest, Runtime, propose};
 use scaleproof_frames::frames::FrameSet;
 use scaleproof_frames::surrogate::projection::Grid;
-use scaleproof_gradients::device::DeviceKind;
-use scaleproof_gradients::network::detector::OnnxDetector;
-use scaleproof_gradients::network::onnx::OnnxNetwork;
+use scaleproof_gradients::detector::OnnxDetector;
+use scaleproof_gradients::onnx::OnnxNetwork;
 use scaleproof_gradients::{Boxes, Prediction, WhiteBox};
 
 use crate::common::onnx;
 #[path = "attack_onnx/parity.rs"]
 pub(super) mod parity;
+#[path = "attack_onnx/stored.rs"]
+mod stored;
 
 const CAR: usize = 2;
 
@@ -37,7 +37,7 @@ fn outputs_are_those_of_onnx_runtime() {
         let (bytes, manifest) = (std::fs::read(path).unwrap(), Manifest::named(name).unwrap());
         let shape = [1, 3, side, side];
         let started = Instant::now();
-        let network = OnnxNetwork::read(&bytes, file, &shape, Some([side as u32; 2]), &Device::flex()).unwrap();
+        let network = OnnxNetwork::read(&bytes, file, &shape, Some([side as u32; 2])).unwrap();
         let opened = started.elapsed();
         let mut session = session(&bytes);
         let mut as_written = as_written(&bytes);
@@ -65,7 +65,7 @@ fn outputs_are_those_of_onnx_runtime() {
 
 fn opened(name: &str, file: &str, labels: &[usize]) -> (OnnxDetector, PathBuf) {
     let path = shared(&format!("detectors/{file}"));
-    let detector = OnnxDetector::open(&Manifest::named(name).unwrap(), &path, labels, DeviceKind::Cpu).unwrap();
+    let detector = OnnxDetector::open(&Manifest::named(name).unwrap(), &path, labels).unwrap();
     (detector, path)
 }
 
@@ -92,7 +92,7 @@ fn outputs_of_other_lineages_are_those_of_onnx_runtime() {
         let bytes = std::fs::read(path).unwrap();
         let [width, height] = manifest.input.size_px.map(|side| side as usize);
         let shape = [1, 3, height, width];
-        let network = OnnxNetwork::read(&bytes, &manifest.name, &shape, None, &Device::flex()).unwrap();
+        let network = OnnxNetwork::read(&bytes, &manifest.name, &shape, None).unwrap();
         let mut as_written = as_written(&bytes);
         let mut worst = 0.0_f32;
         for path in photos().iter().step_by(4) {
@@ -117,7 +117,7 @@ fn gradients_of_other_lineages_are_those_of_finite_differences() {
     let mut rng = Pcg32::seed_from_u64(5);
     for (manifest, path) in others() {
         let car = manifest.labels.find("car").unwrap();
-        let detector = OnnxDetector::open(&manifest, &path, &[car], DeviceKind::Cpu).unwrap();
+        let detector = OnnxDetector::open(&manifest, &path, &[car]).unwrap();
         for path in photos().iter().step_by(7) {
             let (picture, size) = picture(&image::imageops::thumbnail(&photo(path), 640, 480));
             let (worst, jumps) = worst_derivative(&detector, &picture, size, &mut rng);
@@ -896,8 +896,8 @@ fn every_operator_answers_and_derives_as_it_should() {
     ];
     for net in nets.into_iter().flatten() {
         let bytes = net.bytes();
-        let network = OnnxNetwork::read(&bytes, net.name, &net.shape, None, &Device::flex())
-            .unwrap_or_else(|e| panic!("{}: {e}", net.name));
+        let network =
+            OnnxNetwork::read(&bytes, net.name, &net.shape, None).unwrap_or_else(|e| panic!("{}: {e}", net.name));
         let mut session = session(&bytes);
         let x = spread(net.shape.iter().product(), 21);
         let theirs = by_onnx_runtime(&mut session, &net.shape, &x);
@@ -1133,7 +1133,7 @@ fn networks_that_end_as_the_families_do_are_followed() {
         let all: Vec<usize> = (0..manifest.labels.count())
             .filter(|l| manifest.labels.name(*l).is_some())
             .collect();
-        let detector = OnnxDetector::open(&manifest, &path, &all, DeviceKind::Cpu).unwrap();
+        let detector = OnnxDetector::open(&manifest, &path, &all).unwrap();
         let predictions = detector.predictions(&picture, size).unwrap();
         // Scoring keeps boxes to a hundredth of a pixel, and none that is thinner.
         let solid = predictions
@@ -1149,7 +1149,7 @@ fn networks_that_end_as_the_families_do_are_followed() {
             "{head}: {best} {:?}",
             found[0]
         );
-        let cars = OnnxDetector::open(&manifest, &path, &[2, 5, 7], DeviceKind::Cpu).unwrap();
+        let cars = OnnxDetector::open(&manifest, &path, &[2, 5, 7]).unwrap();
         let (worst, jumps) = worst_derivative(&cars, &picture, size, &mut rng);
         assert_eq!(jumps, 0, "{head}");
         assert!(worst < 0.01, "{head}: {worst}");
@@ -1162,7 +1162,7 @@ fn a_saturated_confidence_has_a_finite_loss_and_a_gradient() {
     let path = folder.path().join("one_box.onnx");
     for bias in [-80.0_f32, 0.0, 8.0, 16.5, 17.5, 40.0, 200.0, 600.0] {
         std::fs::write(&path, one_box(bias)).unwrap();
-        let detector = OnnxDetector::open(&one_box_manifest(), &path, &[2, 5, 7], DeviceKind::Cpu).unwrap();
+        let detector = OnnxDetector::open(&one_box_manifest(), &path, &[2, 5, 7]).unwrap();
         let picture = vec![[0.25; 3]; 64 * 64];
         let look = detector.forward(&picture, [64, 64]).unwrap();
         let prediction = look.predictions()[0];
@@ -1209,7 +1209,7 @@ fn damaged_files_are_refused_in_a_sentence_or_read() {
                 }
             }
             all += 1;
-            if let Err(e) = OnnxNetwork::read(&bytes, "damaged.onnx", &net.shape, None, &Device::flex()) {
+            if let Err(e) = OnnxNetwork::read(&bytes, "damaged.onnx", &net.shape, None) {
                 refused += 1;
                 let sentence = e.to_string();
                 assert!(
@@ -1270,7 +1270,7 @@ fn tensors_without_bound_are_refused_before_they_are_made() {
     ];
     for (i, parts) in nets.into_iter().enumerate() {
         let bytes = onnx::graph(&onnx::Input::floats("x", &[1, 3, 32, 32]), &parts, &["y"], 13);
-        let error = OnnxNetwork::read(&bytes, "huge.onnx", &[1, 3, 32, 32], None, &Device::flex()).err();
+        let error = OnnxNetwork::read(&bytes, "huge.onnx", &[1, 3, 32, 32], None).err();
         let error = error.unwrap_or_else(|| panic!("network {i} is taken")).to_string();
         println!("{i}: {error}");
         assert_eq!(error.lines().count(), 1, "{i}: {error}");
@@ -1290,7 +1290,7 @@ fn what_cannot_be_followed_is_refused_in_a_sentence() {
     let path = folder.path().join("net.onnx");
     let refusal = |bytes: &[u8], manifest: &Manifest, labels: &[usize]| {
         std::fs::write(&path, bytes).unwrap();
-        let error = OnnxDetector::open(manifest, &path, labels, DeviceKind::Cpu)
+        let error = OnnxDetector::open(manifest, &path, labels)
             .err()
             .expect("refused")
             .to_string();

@@ -27,7 +27,7 @@ use scaleproof_core::spelling::{count, quoted};
 use scaleproof_detect::{Manifest, ProgramDetector};
 use scaleproof_frames::frames::FrameSet;
 use scaleproof_gradients::WhiteBox;
-use scaleproof_gradients::network::detector::OnnxDetector;
+use scaleproof_gradients::detector::OnnxDetector;
 use scaleproof_gradients::program::ProgramWhiteBox;
 use scaleproof_photo::defence::Defence;
 use scaleproof_pose::scene::Classes;

@@ -6,7 +6,8 @@ use image::RgbImage;
 use ort::session::Session;
 use ort::session::builder::GraphOptimizationLevel;
 use scaleproof_detect::{Manifest, Runtime};
-use scaleproof_gradients::network::onnx::OnnxNetwork;
+use scaleproof_gradients::layers::Number;
+use scaleproof_gradients::onnx::OnnxNetwork;
 
 use crate::common::{shared, skyline};
 
@@ -84,7 +85,7 @@ pub fn as_written(bytes: &[u8]) -> Session {
         .unwrap()
 }
 
-pub fn by_network(network: &OnnxNetwork, numbers: &[f32]) -> Vec<Answered> {
+pub fn by_network<T: Number>(network: &OnnxNetwork<T>, numbers: &[f32]) -> Vec<Answered> {
     let outputs = network.forward(numbers.to_vec(), false).unwrap().outputs;
     outputs
         .iter()
