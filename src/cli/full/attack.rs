@@ -15,7 +15,6 @@ mod render;
 mod run;
 mod train_dtn;
 
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
