@@ -26,7 +26,7 @@ const VIEWS: u32 = 6;
 pub const FIRST_ROUND: u64 = FIRST as u64 * VIEWS as u64;
 /// Steps of training and of descent a round, and their rates.
 const TRAINING: usize = 40;
-const TRAINING_RATE: f64 = 1e-3;
+pub const TRAINING_RATE: f64 = 1e-3;
 const DESCENT: usize = 20;
 const DESCENT_RATE: f64 = 0.02;
 /// Patterns in a minibatch of the clone.
@@ -38,15 +38,15 @@ const CHANNELS: usize = 16;
 
 /// The network that imitates renderer and detector: from a pattern to its score.
 #[derive(Module, Debug)]
-struct Clone2d {
-    first: Conv2d,
-    second: Conv2d,
-    hidden: Linear,
-    last: Linear,
+pub struct Clone2d {
+    pub first: Conv2d,
+    pub second: Conv2d,
+    pub hidden: Linear,
+    pub last: Linear,
 }
 
 impl Clone2d {
-    fn new(cells: usize, device: &Device) -> Self {
+    pub fn new(cells: usize, device: &Device) -> Self {
         let conv = |channels| Conv2dConfig::new(channels, [3, 3]).init(device);
         // Two convolutions without padding take four cells off.
         let flat = 2 * CHANNELS * (cells - 4) * (cells - 4);
@@ -59,11 +59,21 @@ impl Clone2d {
     }
 
     /// `patterns`: [N, 3, rows, columns], sRGB of 0 to 1; the result is [N, 1], before the sigmoid.
-    fn forward(&self, patterns: Tensor<4>) -> Tensor<2> {
+    pub fn forward(&self, patterns: Tensor<4>) -> Tensor<2> {
         let x = relu(self.first.forward(patterns - 0.5));
         let x: Tensor<2> = relu(self.second.forward(x)).flatten(1, 3);
         self.last.forward(relu(self.hidden.forward(x)))
     }
+}
+
+/// The mean binary cross-entropy between a clone's answers and scores.
+pub fn cross_entropy(clone: &Clone2d, patterns: Tensor<4>, scores: Vec<f32>) -> Tensor<1> {
+    let count = scores.len();
+    let truth: Tensor<2> = Tensor::from_data(TensorData::new(scores, [count, 1]), &patterns.device());
+    let logit = clone.forward(patterns);
+    // relu(x) − x·t + ln(1 + e^−|x|): cross-entropy of a sigmoid that does not saturate.
+    let soft = (logit.clone().abs().neg().exp() + 1.0).log();
+    (relu(logit.clone()) - logit * truth + soft).mean()
 }
 
 /// What a clone has seen.
@@ -146,12 +156,7 @@ fn train(
         let chosen: Vec<&Answered> = recent.chain(random).map(|i| &seen[i]).collect();
         let patterns: Vec<&[Rgb]> = chosen.iter().map(|a| a.cells.as_slice()).collect();
         let scores: Vec<f32> = chosen.iter().map(|a| a.score as f32).collect();
-        let count = scores.len();
-        let truth: Tensor<2> = Tensor::from_data(TensorData::new(scores, [count, 1]), device);
-        let logit = clone.forward(input(&patterns, device));
-        // relu(x) − x·t + ln(1 + e^−|x|): cross-entropy of a sigmoid that does not saturate.
-        let soft = (logit.clone().abs().neg().exp() + 1.0).log();
-        let loss = (relu(logit.clone()) - logit * truth + soft).mean();
+        let loss = cross_entropy(&clone, input(&patterns, device), scores);
         let gradients = GradientsParams::from_grads(loss.backward(), &clone);
         clone = optimiser.step(TRAINING_RATE, clone, gradients);
     }
@@ -177,7 +182,7 @@ fn descend(clone: &Clone2d, mut cells: Vec<Rgb>, side: usize, device: &Device) -
 }
 
 /// [N, 3, side, side].
-fn input(patterns: &[&[Rgb]], device: &Device) -> Tensor<4> {
+pub fn input(patterns: &[&[Rgb]], device: &Device) -> Tensor<4> {
     let cells = patterns.first().map_or(0, |p| p.len());
     let side = cells.isqrt();
     let mut values = Vec::with_capacity(3 * cells * patterns.len());
