@@ -2,7 +2,6 @@
 
 pub mod detector;
 mod device;
-pub mod layers;
 pub mod onnx;
 mod quietly;
 pub mod resample;

@@ -4,7 +4,7 @@ use onnx_ir::Node;
 
 use super::operator::{Argument, Operator};
 use super::value::{Floats, Integers, Result, Value, bounded, broadcast, full};
-use crate::network::layers::{Layer, Operation, Pairwise};
+use crate::layers::{Layer, Operation, Pairwise};
 
 #[derive(Debug, Clone, Copy)]
 enum Arithmetic {

@@ -10,7 +10,7 @@ use onnx_ir::node::padding::{AutoPad, PaddingConfig2d};
 use super::operator::{Argument, Inputs, Operator};
 use super::value::{Floats, Result, bounded};
 use crate::NetworkFault;
-use crate::network::layers::{self, Layer, MaxPool, Separate, Weights, Windows};
+use crate::layers::{self, Layer, MaxPool, Separate, Weights, Windows};
 
 /// How a window walks over an image; rows first.
 struct Window {

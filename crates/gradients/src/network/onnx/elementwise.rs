@@ -7,7 +7,7 @@ use onnx_ir::node::clip::ClipInput;
 use super::operator::{Inputs, Operator, Rearranged};
 use super::value::{Floats, Integers, RANK, Result, Value, bounded, broadcast};
 use crate::NetworkFault;
-use crate::network::layers::Activation;
+use crate::layers::Activation;
 
 /// y = f(x).
 fn each(f: impl Fn(Tensor<RANK>) -> Tensor<RANK> + Send + Sync + 'static) -> Operator {

@@ -6,7 +6,7 @@ use burn::tensor::Device;
 
 use super::value::{Floats, Integers, Result, Value};
 use crate::NetworkFault;
-use crate::network::layers::{Layer, Moved};
+use crate::layers::{Layer, Moved};
 
 type Run = dyn Fn(Inputs) -> Result<Vec<Value>> + Send + Sync;
 pub(super) type MakeLayer = dyn Fn(&[Argument], &[usize]) -> Option<Box<dyn Layer>> + Send + Sync;

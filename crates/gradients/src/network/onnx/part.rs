@@ -7,7 +7,7 @@ use burn::tensor::{Device, Tensor, TensorData};
 use super::graph::{Graph, GraphStep, Slot, last_uses};
 use super::value::{Floats, Held, NEVER_COMPUTED, Result, Value};
 use crate::NetworkFault;
-use crate::network::layers::{Layer, Sums, owned};
+use crate::layers::{Layer, Sums, owned};
 
 /// The derivative by the numbers of each slot, as far as it is summed up.
 pub(super) type Gradients = [Option<Vec<f32>>];

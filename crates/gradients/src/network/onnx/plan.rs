@@ -13,7 +13,7 @@ use super::operator::Argument;
 use super::part::{Back, LayerPart, Part, Segment};
 use super::value::{Held, NEVER_COMPUTED, Result, Value};
 use crate::NetworkFault;
-use crate::network::layers::{Activation, Layer, Sums};
+use crate::layers::{Activation, Layer, Sums};
 
 pub(super) struct Plan {
     parts: Vec<Part>,

@@ -11,7 +11,7 @@ use onnx_ir::resize::{CoordinateTransformMode, NearestMode, ResizeConfig, Resize
 use super::operator::{Argument, Inputs, IntegerSetting, Operator, axes_of, setting};
 use super::value::{Floats, RANK, Result, Value, bounded};
 use crate::NetworkFault;
-use crate::network::layers::{Layer, Separate};
+use crate::layers::{Layer, Separate};
 
 /// Rows and columns to another number, each by a matrix whose rows are the kernel's weights.
 struct Resize {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::NetworkFault;
-use crate::network::layers::Array;
+use crate::layers::Array;
 use burn::tensor::{Tensor, TensorData};
 use onnx_ir::TensorDataExt;
 

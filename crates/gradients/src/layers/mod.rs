@@ -6,6 +6,7 @@
 pub mod activation;
 mod convolution;
 mod depthwise;
+pub mod learning;
 mod moved;
 mod pairwise;
 mod pool;

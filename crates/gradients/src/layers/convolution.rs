@@ -1,5 +1,7 @@
 //! Convolutions as products of matrices. Back with respect to the image: the same product with the weights transposed.
 
+mod by_weights;
+
 use std::sync::Arc;
 
 use gemm::{Parallelism, gemm};
@@ -7,6 +9,7 @@ use gemm::{Parallelism, gemm};
 use super::depthwise::Depthwise;
 use super::windows::{Weights, Windows};
 use super::{Array, Back, Layer, Sums};
+pub(super) use by_weights::LearntConvolution;
 
 pub(crate) fn convolution(windows: Windows, weights: Weights) -> Box<dyn Layer> {
     let is_depthwise = weights.groups == windows.channels && weights.outputs == windows.channels;
