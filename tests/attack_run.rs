@@ -1143,10 +1143,9 @@ fn camou_beats_what_it_starts_from_and_goes_on_as_if_it_had_not_stopped() {
         method: "camou",
         ..search_config(900)
     };
-    let device = burn::tensor::Device::flex();
     let search = |detectors: &[Box<dyn WhiteBox>], folder: &Path| {
         let mut oracle = BlackBox::begin(&view_set, detectors, &config, folder, &|_| {})?;
-        let cells = camou::search(&mut oracle, &config, &device)?;
+        let cells = camou::search(&mut oracle, &config)?;
         Ok::<_, RunError>((cells, oracle.finish()?))
     };
     let (cells, entries) = search(&detectors(60.0, &view_set), whole.path()).unwrap();

@@ -165,7 +165,7 @@ fn convolution<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>)
     let shape = vec![images, outputs, windows.count[0], windows.count[1]];
     bounded([per_group, kernel_rows, kernel_columns, windows.count[1]])?;
     let layer = layers::convolution(windows, weights(inputs, images, groups, outputs)?);
-    graph.work(Work::Layer(layer), &[x], shape)
+    graph.work(Work::Layer(layer.into()), &[x], shape)
 }
 
 fn transposed<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>) -> Result<Term<T>> {

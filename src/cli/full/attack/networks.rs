@@ -44,9 +44,9 @@ pub(super) struct Trained {
 
 impl Trained {
     pub(super) fn renderers(&self) -> Result<Vec<Box<dyn NeuralRenderer>>> {
-        let device = self.on.device.open()?;
+        self.on.device.open()?;
         let open = |path: &PathBuf| {
-            let network = file::load(path)?.network(device.clone())?;
+            let network = file::load(path)?.network();
             Ok(Box::new(network) as Box<dyn NeuralRenderer>)
         };
         self.network.iter().map(open).collect()
@@ -74,7 +74,8 @@ pub(super) fn white_boxes(
 
 /// CAMOU's search: the images of its first round, and the cells it found.
 pub(super) fn camou(device: DeviceKind, oracle: &mut BlackBox, config: &SearchConfig) -> Result<(u64, Vec<Rgb>)> {
-    Ok((camou::FIRST_ROUND, camou::search(oracle, config, &device.open()?)?))
+    device.open()?;
+    Ok((camou::FIRST_ROUND, camou::search(oracle, config)?))
 }
 
 pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {

@@ -67,7 +67,7 @@ pub(super) fn run(args: &TrainArgs, out: &mut dyn Write) -> CommandResult {
     files::check_file_writable(&args.output)?;
     files::inputs::own(&args.output);
     let known = args.output.exists().then(|| file::load(&args.output)).transpose()?;
-    let device = args.on.device.open()?;
+    args.on.device.open()?;
     let references = hexes(&args.reference)?;
     let set = frames(args, &references)?;
     let plan = TrainingPlan {
@@ -80,7 +80,7 @@ pub(super) fn run(args: &TrainArgs, out: &mut dyn Write) -> CommandResult {
         seed: args.seed,
         data_sha256: set.sha256.clone(),
     };
-    let mut trainer = Trainer::begin(plan, known, &args.output, device)?;
+    let mut trainer = Trainer::begin(plan, known, &args.output)?;
     let (budget, length) = match args.seconds {
         Some(seconds) => (TrainingBudget::Seconds(seconds), seconds.ceil() as u64),
         None => (
