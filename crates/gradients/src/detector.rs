@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::layers::Number;
 use crate::onnx::{NetworkPass, OnnxNetwork, Output};
 use crate::resample::Resampler;
 use crate::{Boxes, ForwardPass, ImageLoss, Prediction, WhiteBox, WhiteBoxError};
@@ -13,10 +14,10 @@ use scaleproof_detect::{
 };
 
 /// A network with its manifest and the labels that count as the model.
-pub struct OnnxDetector {
+pub struct OnnxDetector<T = f32> {
     manifest: Manifest,
     labels: Vec<usize>,
-    network: OnnxNetwork,
+    network: OnnxNetwork<T>,
 }
 
 impl OnnxDetector {
@@ -25,7 +26,17 @@ impl OnnxDetector {
     /// # Errors
     /// Labels it does not have; an input or a head that no gradient can pass; unknown operators, by their names; a
     /// network whose outputs are not those of the manifest's head.
-    pub fn open(manifest: &Manifest, weights: &Path, labels: &[usize]) -> Result<OnnxDetector, WhiteBoxError> {
+    pub fn open(manifest: &Manifest, weights: &Path, labels: &[usize]) -> Result<Self, WhiteBoxError> {
+        OnnxDetector::open_as(manifest, weights, labels)
+    }
+}
+
+impl<T: Number> OnnxDetector<T> {
+    /// [`OnnxDetector::open`], for one that computes in 32 or in 64 bits.
+    ///
+    /// # Errors
+    /// The same.
+    pub fn open_as(manifest: &Manifest, weights: &Path, labels: &[usize]) -> Result<Self, WhiteBoxError> {
         let refused = |reason: WhiteBoxError| WhiteBoxError::Detector {
             name: manifest.name.clone(),
             reason: reason.into(),
@@ -42,7 +53,7 @@ impl OnnxDetector {
         let detector = OnnxDetector {
             manifest: manifest.clone(),
             labels: labels.to_vec(),
-            network: OnnxNetwork::read(&files::read(weights)?, &file, &shape, photo_size)?,
+            network: OnnxNetwork::read_as(&files::read(weights)?, &file, &shape, photo_size)?,
         };
         // A head that does not fit is refused now, not at the first image.
         let [width, height] = manifest.input.size_px;
@@ -56,7 +67,7 @@ impl OnnxDetector {
         Ok(Box::new(self.seen(image, size_px, true)?))
     }
 
-    fn seen(&self, image: &[[f64; 3]], size_px: [u32; 2], keeps_way: bool) -> Result<Seen<'_>, WhiteBoxError> {
+    fn seen(&self, image: &[[f64; 3]], size_px: [u32; 2], keeps_way: bool) -> Result<Seen<'_, T>, WhiteBoxError> {
         let [width, height] = size_px;
         if width == 0 || height == 0 || image.len() != width as usize * height as usize {
             let found = image.len();
@@ -143,7 +154,7 @@ fn input_shape(manifest: &Manifest) -> Result<Vec<usize>, WhiteBoxError> {
     })
 }
 
-impl WhiteBox for OnnxDetector {
+impl<T: Number> WhiteBox for OnnxDetector<T> {
     fn name(&self) -> &str {
         &self.manifest.name
     }
@@ -249,14 +260,14 @@ impl Terms {
 }
 
 /// What the network says of one image.
-struct Seen<'a> {
+struct Seen<'a, T> {
     predictions: Vec<Prediction>,
     terms: Vec<Terms>,
-    answer: NetworkPass<'a>,
+    answer: NetworkPass<'a, T>,
     way: Resampler,
 }
 
-impl ForwardPass for Seen<'_> {
+impl<T: Number> ForwardPass for Seen<'_, T> {
     fn predictions(&self) -> &[Prediction] {
         &self.predictions
     }

@@ -3,7 +3,8 @@
 //! - [`WhiteBox`]: what an attack asks of a detector;
 //! - [`program`]: a program as a [`WhiteBox`], whose derivatives are held against differences first;
 //! - [`detector`]: a detector of the program as a [`WhiteBox`], from the ONNX file that scoring runs ([`onnx`]);
-//! - [`layers`]: what networks are made of, on plain arrays.
+//! - [`layers`]: what networks are made of, on plain arrays; [`layers::learning`]: networks whose weights are learnt;
+//! - [`adam`]: the steps of weights and of patterns.
 //!
 //! Images are sRGB, 0 to 1, row by row, as surrogate renderers predict them.
 //!
@@ -15,6 +16,7 @@
 //! assert_eq!(strongest(&[], &outline, MEETS_IOU), None);
 //! ```
 
+pub mod adam;
 mod derivative;
 pub mod detector;
 mod fault;

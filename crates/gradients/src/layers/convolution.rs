@@ -1,18 +1,21 @@
 //! Convolutions as products of matrices. Back with respect to the image: the same product with the weights transposed.
 
+mod by_weights;
+
 use std::sync::Arc;
 
 use super::depthwise::Depthwise;
 use super::matrix::{Matrix, multiply};
 use super::windows::{Weights, Windows};
 use super::{Array, Back, Layer, Number, Sums};
+pub(super) use by_weights::LearntConvolution;
 
-pub fn convolution<T: Number>(windows: Windows, weights: Weights<T>) -> Arc<dyn Layer<T>> {
+pub fn convolution<T: Number>(windows: Windows, weights: Weights<T>) -> Box<dyn Layer<T>> {
     let is_depthwise = weights.groups == windows.channels && weights.outputs == windows.channels;
     if is_depthwise {
-        Arc::new(Depthwise { windows, weights })
+        Box::new(Depthwise { windows, weights })
     } else {
-        Arc::new(Convolution { windows, weights })
+        Box::new(Convolution { windows, weights })
     }
 }
 

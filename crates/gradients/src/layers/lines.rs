@@ -36,8 +36,9 @@ impl Lines {
     }
 }
 
+/// The sum of a line, in partial sums.
 #[inline(always)]
-fn total<T: Number>(line: &[T]) -> T {
+pub(super) fn total<T: Number>(line: &[T]) -> T {
     let mut lanes = [T::ZERO; LANES];
     let (chunks, rest) = line.as_chunks::<LANES>();
     for chunk in chunks {

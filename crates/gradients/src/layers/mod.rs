@@ -6,6 +6,7 @@
 pub mod activation;
 pub mod convolution;
 mod depthwise;
+pub mod learning;
 pub mod lines;
 pub mod matrix;
 pub mod moved;

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::lines::total;
 use super::{Array, Back, Layer, Number, Sums, vectorised};
 
 /// Numbers that follow each other in the output and lie one step apart in one input.
@@ -83,7 +84,7 @@ impl Moved {
                     let sums = sum[run.from..run.from + run.count].iter_mut();
                     sums.zip(part).for_each(|(sum, g)| *sum += *g)
                 }),
-                0 => sum[run.from] += part.iter().copied().sum(),
+                0 => sum[run.from] += vectorised(|| total(part)),
                 _ => part.iter().enumerate().for_each(|(i, g)| sum[run.place(i)] += *g),
             }
         }

@@ -163,9 +163,9 @@ fn convolution<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>)
     let window = Window::read(node, Some([kernel_rows, kernel_columns]), [rows, columns])?;
     let windows = window.windows(images * channels, [rows, columns])?;
     let shape = vec![images, outputs, windows.count[0], windows.count[1]];
-    bounded(shape.iter().copied())?;
+    bounded([per_group, kernel_rows, kernel_columns, windows.count[1]])?;
     let layer = layers::convolution(windows, weights(inputs, images, groups, outputs)?);
-    graph.work(Work::Layer(layer), &[x], shape)
+    graph.work(Work::Layer(layer.into()), &[x], shape)
 }
 
 fn transposed<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>) -> Result<Term<T>> {
@@ -191,6 +191,7 @@ fn transposed<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>) 
     let image = [side(0, rows)?, side(1, columns)?];
     let shape = vec![images, outputs, image[0], image[1]];
     bounded(shape.iter().copied())?;
+    bounded([per_group, kernel_rows, kernel_columns, columns])?;
     let windows = Windows {
         channels: images * outputs,
         image,

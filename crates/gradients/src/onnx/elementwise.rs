@@ -66,13 +66,12 @@ fn clip<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>) -> Res
             (None, None) => Ok(None),
         }
     };
-    let (low, high) = (limit("min", 1)?, limit("max", 2)?);
+    let (low, high) = (
+        limit("min", 1)?.unwrap_or(T::LEAST),
+        limit("max", 2)?.unwrap_or(-T::LEAST),
+    );
     let x = inputs.floats(0)?;
-    let clipped = Each(move |x: T| match (low, high) {
-        (Some(low), _) if x < low => (high.map_or(low, |high| if high < low { high } else { low }), T::ZERO),
-        (_, Some(high)) if x > high => (high, T::ZERO),
-        _ => (x, T::ONE),
-    });
+    let clipped = Each(move |x: T| limited(x, [low, high]));
     graph.layer(clipped, &[x], x.shape.clone())
 }
 
@@ -91,16 +90,22 @@ fn prelu<T: Number>(graph: &mut Graph<T>, inputs: &Inputs<T>) -> Result<Term<T>>
     arithmetic::of_two(graph, Operation::Sum, &upper, &lower)
 }
 
-/// limit(α·x + β) to 0…1, and its slope.
+/// A number between two limits, and the slope. What is not a number stays none.
+#[inline(always)]
+fn limited<T: Number>(x: T, [low, high]: [T; 2]) -> (T, T) {
+    let raised = if x < low { low } else { x };
+    let is_outside = x < low || x > high;
+    (
+        if raised > high { high } else { raised },
+        if is_outside { T::ZERO } else { T::ONE },
+    )
+}
+
+/// α·x + β between 0 and 1, and the slope.
+#[inline(always)]
 fn hard_sigmoid<T: Number>(x: T, [alpha, beta]: [T; 2]) -> (T, T) {
-    let y = alpha * x + beta;
-    if y < T::ZERO {
-        (T::ZERO, T::ZERO)
-    } else if y > T::ONE {
-        (T::ONE, T::ZERO)
-    } else {
-        (y, alpha)
-    }
+    let (y, slope) = limited(alpha * x + beta, [T::ZERO, T::ONE]);
+    (y, alpha * slope)
 }
 
 fn softplus(x: f64) -> f64 {

@@ -93,7 +93,7 @@ impl<T: Number> Graph<T> {
 
     /// A constant that was made, its numbers counted with all others.
     pub(super) fn kept(&mut self, constant: Term<T>) -> Result<Term<T>> {
-        self.keep(constant.count())?;
+        self.keep(bounded(constant.shape.iter().copied())?)?;
         Ok(constant)
     }
 

@@ -91,54 +91,43 @@ impl OnnxNetwork {
         file: &str,
         shape: &[usize],
         photo_size: Option<[u32; 2]>,
-    ) -> Result<OnnxNetwork, WhiteBoxError> {
-        read_as(bytes, file, shape, photo_size)
+    ) -> Result<Self, WhiteBoxError> {
+        OnnxNetwork::read_as(bytes, file, shape, photo_size)
     }
 }
 
-impl OnnxNetwork<f64> {
-    /// [`OnnxNetwork::read`], for a network that computes in 64 bits.
-    pub fn read_in_64_bits(
+impl<T: Number> OnnxNetwork<T> {
+    /// [`OnnxNetwork::read`], for a network that computes in 32 or in 64 bits.
+    pub fn read_as(
         bytes: &[u8],
         file: &str,
         shape: &[usize],
         photo_size: Option<[u32; 2]>,
     ) -> Result<Self, WhiteBoxError> {
-        read_as(bytes, file, shape, photo_size)
+        let refused = |reason: NetworkFault| {
+            let file = file.to_owned();
+            WhiteBoxError::OnnxNetwork { file, reason }
+        };
+        let model = Model::read(bytes).map_err(|fault| refused(NetworkFault::Unreadable(fault.to_string())))?;
+        let operators = read::operators(&model, file)?;
+        let (mut graph, mut terms) = read::graph(&model, &operators, shape, photo_size).map_err(refused)?;
+        let logits = logits::expose_logits(&mut graph, &mut terms);
+        let read = terms.iter().filter_map(Term::slot);
+        let outputs = model.outputs.iter().zip(&terms).zip(logits);
+        Ok(OnnxNetwork {
+            file: file.to_owned(),
+            outputs: outputs
+                .map(|((name, term), is_logit)| NamedOutput {
+                    name: name.clone(),
+                    term: term.clone(),
+                    is_logit,
+                })
+                .collect(),
+            count: graph.counts[0],
+            plan: Plan::new(graph.steps, graph.constants, graph.counts.len(), read),
+        })
     }
-}
 
-fn read_as<T: Number>(
-    bytes: &[u8],
-    file: &str,
-    shape: &[usize],
-    photo_size: Option<[u32; 2]>,
-) -> Result<OnnxNetwork<T>, WhiteBoxError> {
-    let refused = |reason: NetworkFault| {
-        let file = file.to_owned();
-        WhiteBoxError::OnnxNetwork { file, reason }
-    };
-    let model = Model::read(bytes).map_err(|fault| refused(NetworkFault::Unreadable(fault.to_string())))?;
-    let operators = read::operators(&model, file)?;
-    let (mut graph, mut terms) = read::graph(&model, &operators, shape, photo_size).map_err(refused)?;
-    let logits = logits::expose_logits(&mut graph, &mut terms);
-    let read = terms.iter().filter_map(Term::slot);
-    let outputs = model.outputs.iter().zip(&terms).zip(logits);
-    Ok(OnnxNetwork {
-        file: file.to_owned(),
-        outputs: outputs
-            .map(|((name, term), is_logit)| NamedOutput {
-                name: name.clone(),
-                term: term.clone(),
-                is_logit,
-            })
-            .collect(),
-        count: graph.counts[0],
-        plan: Plan::new(graph.steps, graph.constants, graph.counts.len(), read),
-    })
-}
-
-impl<T: Number> OnnxNetwork<T> {
     /// The outputs for an image's numbers, row-major. With `keeps_way` what [`NetworkPass::vjp`] needs stays in memory.
     pub fn forward(&self, image: Vec<f32>, keeps_way: bool) -> Result<NetworkPass<'_, T>, WhiteBoxError> {
         let failed = |reason: NetworkFault| {

@@ -15,6 +15,7 @@ pub(super) const IMAGE: Slot = 0;
 pub(super) type Places = dyn Fn(&[i64]) -> Result<Vec<usize>> + Send + Sync;
 pub(super) type ToWhole<T> = dyn Fn(&[Numbers<T>]) -> Result<Vec<i64>> + Send + Sync;
 
+#[derive(Clone)]
 pub(super) enum Work<T> {
     Layer(Arc<dyn Layer<T>>),
     Sigmoid,
@@ -26,21 +27,6 @@ pub(super) enum Work<T> {
     Whole(Arc<ToWhole<T>>),
     /// Whole numbers as fractions.
     Fractions,
-}
-
-// Not derived, which would ask the same of T.
-impl<T> Clone for Work<T> {
-    fn clone(&self) -> Self {
-        match self {
-            Work::Layer(layer) => Work::Layer(layer.clone()),
-            Work::Sigmoid => Work::Sigmoid,
-            Work::Moved(moved) => Work::Moved(moved.clone()),
-            Work::Picked(places) => Work::Picked(places.clone()),
-            Work::Order(order) => Work::Order(order.clone()),
-            Work::Whole(work) => Work::Whole(work.clone()),
-            Work::Fractions => Work::Fractions,
-        }
-    }
 }
 
 /// The numbers of the output, and the backward pass where a gradient passes.

@@ -137,13 +137,17 @@ impl<T: Number> Term<T> {
 /// A larger tensor is no part of a detector: it is refused before it takes memory, which would end the program.
 const MOST_NUMBERS: usize = 1 << 28;
 
-/// How many numbers a tensor of these sides has.
+/// How many numbers a tensor of these sides has. A side of 0 makes the others no larger.
 pub(super) fn bounded(sides: impl IntoIterator<Item = usize>) -> Result<usize> {
-    let mut sides = sides.into_iter();
-    let count = sides.try_fold(1_usize, |count, side| {
-        count.checked_mul(side).filter(|count| *count <= MOST_NUMBERS)
-    });
-    count.ok_or(NetworkFault::TooLarge(MOST_NUMBERS))
+    let (mut count, mut is_empty) = (1_usize, false);
+    for side in sides {
+        is_empty |= side == 0;
+        count = count.saturating_mul(side.max(1));
+    }
+    match count {
+        ..=MOST_NUMBERS => Ok(if is_empty { 0 } else { count }),
+        _ => Err(NetworkFault::TooLarge(MOST_NUMBERS)),
+    }
 }
 
 /// The shape two shapes broadcast to (ONNX: Multidirectional Broadcasting).

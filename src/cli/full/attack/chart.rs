@@ -36,8 +36,10 @@ pub(super) fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
     let set = FrameSet::open(&args.frames)?;
     let references = hexes(&args.reference)?;
     let rows = progress::frames("measuring", set.view_count()).during(|bar| -> Result<_> {
-        let networks = args.network.iter().map(|path| file::load(path)?.network());
-        let networks = networks.collect::<Result<Vec<_>, _>>()?;
+        let networks = args.network.iter().map(|path| file::load(path));
+        let networks = networks
+            .map(|trainer| Ok(trainer?.network()))
+            .collect::<Result<Vec<_>>>()?;
         let networks: Vec<&dyn NeuralRenderer> = networks.iter().map(|network| network as _).collect();
         Ok(measure(&set, &references, &networks, || bar.inc(1))?)
     })?;

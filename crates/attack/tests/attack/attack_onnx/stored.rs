@@ -61,16 +61,14 @@ fn all() -> Vec<(Manifest, PathBuf, Option<[u32; 2]>)> {
         let path = shared(&format!("detectors/{file}"));
         (Manifest::named(name).unwrap(), path, Some([side as u32; 2]))
     });
-    let more = ["yolov8n_640", "yolo26n_320_table"].map(|name| {
-        let [path, manifest] = ["onnx", "toml"].map(|end| shared(&format!("detectors_more/{name}.{end}")));
-        let text = std::fs::read_to_string(manifest).unwrap();
-        (Manifest::parse(&text, name).unwrap(), path)
-    });
-    let without_size = others()
+    // What no engine before followed has no truth.
+    let others = others()
         .into_iter()
-        .chain(more)
-        .map(|(manifest, path)| (manifest, path, None));
-    known.into_iter().chain(without_size).collect()
+        .filter(|(manifest, _)| manifest.name != "yolo26n_320");
+    known
+        .into_iter()
+        .chain(others.map(|(manifest, path)| (manifest, path, None)))
+        .collect()
 }
 
 /// The largest difference, in shares of the largest number (of an output at least 1).
@@ -116,7 +114,7 @@ fn outputs_and_gradients_are_those_of_the_engine_before() {
             println!("{name}, {output}: {} numbers within {apart:.1e}", numbers.len());
             assert!(numbers.iter().any(|v| *v != 0.0), "{name}, {output}");
             assert!(
-                apart < if is_gradient { 2e-3 } else { 1e-4 },
+                apart < if is_gradient { 5e-4 } else { 2e-5 },
                 "{name}, {output}: {apart}"
             );
         }
