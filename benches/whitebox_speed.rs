@@ -1,83 +1,158 @@
-//! `cargo bench --features attack --bench whitebox_speed -- WEIGHTS [NAME…]`: milliseconds a picture through the detectors of an attack, beside ONNX Runtime.
+//! `cargo bench --bench whitebox_speed -- [--against PROGRAM…] MANIFEST…`: milliseconds an image through the detectors of an attack, beside ONNX Runtime.
 //!
 //! ONNX Runtime's forward pass on one thread, ours, and ours with the backward pass, on one thread and on two; the median of some rounds in which they
-//! take turns, and ratios to ONNX Runtime. WEIGHTS is a folder with the weights; without names all known detectors that are there.
+//! take turns, and ratios to ONNX Runtime. MANIFEST is a detector's TOML file with its weights beside it. Each PROGRAM is another build of this file
+//! (below `target/release/deps`), which takes turns with this one, round by round; their times are divided by this one's.
 
+use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::Instant;
 
 use ort::environment::Environment;
 use ort::session::Session;
-use scaleproof::{BoxPx, Boxes, DeviceKind, Manifest, OnnxDetector, WhiteBox};
+use scaleproof::{BoxPx, Boxes, Manifest, OnnxDetector, WhiteBox};
 
 const ROUNDS: usize = 15;
-/// Pictures a thread looks at while two are at work.
+/// Images a thread looks at while two are at work.
 const TOGETHER: usize = 4;
-const CAR: usize = 2;
+/// The option by which this program becomes one of those that take turns.
+const ON_DEMAND: &str = "--on-demand";
+
+/// Milliseconds of ONNX Runtime, forward, forward and back, and an image on two threads.
+type Round = [f64; 4];
 
 fn main() {
-    let arguments: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
-    let Some((folder, names)) = arguments.split_first() else {
-        println!("usage: cargo bench --features attack --bench whitebox_speed -- WEIGHTS [NAME…]");
+    let mut arguments = std::env::args().skip(1).filter(|argument| argument != "--bench");
+    let (mut manifests, mut programs) = (Vec::new(), vec![std::env::current_exe().expect("this program")]);
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            ON_DEMAND => return answer(Path::new(&arguments.next().expect("a manifest"))),
+            "--against" => programs.push(arguments.next().expect("a program").into()),
+            _ => manifests.push(argument),
+        }
+    }
+    if manifests.is_empty() {
+        println!("usage: cargo bench --bench whitebox_speed -- [--against PROGRAM…] MANIFEST…");
         return;
-    };
+    }
+    println!(
+        "{:<26} {:>8} {:>9} {:>16} {:>8} {:>10}",
+        "detector", "ort ms", "forward", "forward + back", "of ort", "2 threads"
+    );
+    for manifest in &manifests {
+        compare(manifest, &programs);
+    }
+}
+
+fn compare(manifest: &str, programs: &[PathBuf]) {
+    let mut running: Vec<Program> = programs
+        .iter()
+        .map(|program| Program::start(program, manifest))
+        .collect();
+    let mut rounds = vec![Vec::new(); programs.len()];
+    for round in 0..ROUNDS {
+        for i in 0..programs.len() {
+            let i = (i + round) % programs.len();
+            rounds[i].extend(running[i].round());
+        }
+    }
+    let name = Path::new(manifest).file_stem().unwrap_or_default().to_string_lossy();
+    let all: Vec<Option<Round>> = rounds.iter().map(|rounds| medians(rounds)).collect();
+    for (i, medians) in all.iter().enumerate() {
+        let Some([ort, forward, both, two]) = *medians else {
+            println!("{name:<26} is not followed by {}", programs[i].display());
+            continue;
+        };
+        let (of_ort, faster) = (both / ort, both / two);
+        print!("{name:<26} {ort:>8.1} {forward:>9.1} {both:>16.1} {of_ort:>7.2}× {faster:>9.2}×");
+        if let (1.., Some([_, our_forward, our_both, our_two])) = (i, all[0]) {
+            let ratios = [our_forward / forward, our_both / both, our_two / two].map(|ratio| format!("{ratio:.3}"));
+            print!("  this by that: {}", ratios.join(" "));
+        }
+        println!();
+    }
+}
+
+fn medians(rounds: &[Round]) -> Option<Round> {
+    (!rounds.is_empty()).then(|| std::array::from_fn(|i| median(rounds.iter().map(|round| round[i]).collect())))
+}
+
+/// A build of this file that measures one round when it is asked to.
+struct Program {
+    child: Child,
+    asked: Option<ChildStdin>,
+    answers: BufReader<ChildStdout>,
+}
+
+impl Program {
+    fn start(program: &Path, manifest: &str) -> Program {
+        let mut command = Command::new(program);
+        let command = command
+            .args([ON_DEMAND, manifest])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped());
+        let mut child = command.spawn().unwrap_or_else(|e| panic!("{}: {e}", program.display()));
+        Program {
+            asked: child.stdin.take(),
+            answers: BufReader::new(child.stdout.take().expect("its output")),
+            child,
+        }
+    }
+
+    /// None of a build that cannot follow the network.
+    fn round(&mut self) -> Option<Round> {
+        writeln!(self.asked.as_ref()?).ok()?;
+        let mut line = String::new();
+        self.answers.read_line(&mut line).ok()?;
+        let ms: Result<Vec<f64>, _> = line.split_whitespace().map(str::parse).collect();
+        ms.ok()?.try_into().ok()
+    }
+}
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        self.asked = None; // ends it
+        let _ = self.child.wait();
+    }
+}
+
+/// Measures a round for each line of standard input.
+fn answer(path: &Path) {
+    let text = std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    let manifest = Manifest::parse(&text, &path.display().to_string()).expect("a manifest");
+    let weights = path.with_file_name(&manifest.weights.file);
+    let car = manifest.labels.find("car").expect("a label \"car\"");
+    let detector = OnnxDetector::open(&manifest, &weights, &[car]).expect("a detector");
+    let (picture, size) = picture();
+    let best = detector.predictions(&picture, size).expect("predictions");
+    let best = best.iter().max_by(|a, b| a.confidence.total_cmp(&b.confidence));
+    let outline: BoxPx = best.expect("a prediction").box_px;
     let library = std::env::var("ORT_DYLIB_PATH").expect("ORT_DYLIB_PATH, as ./run sets it");
     let environment = ort::init_from(library)
         .expect("ONNX Runtime")
         .build()
         .expect("ONNX Runtime");
     environment.set_log_level(ort::logging::LogLevel::Error);
-    let known = ["yolox_nano", "nanodet_m", "fastestdet", "deimv2_femto", "deimv2_atto"];
-    println!(
-        "{:<14} {:>10} {:>9} {:>16} {:>9} {:>9}",
-        "detector", "ort ms", "forward", "forward + back", "of ort", "2 threads"
-    );
-    for name in known
-        .iter()
-        .filter(|name| names.is_empty() || names.iter().any(|n| n == *name))
-    {
-        let manifest = Manifest::named(name).expect("a known detector");
-        let path = Path::new(folder).join(&manifest.weights.file);
-        if path.exists() {
-            measure(&environment, &manifest, &path);
-        }
-    }
-}
-
-fn measure(environment: &Environment, manifest: &Manifest, weights: &Path) {
-    let detector = OnnxDetector::open(manifest, weights, &[CAR], DeviceKind::Cpu).expect("a detector");
-    let (picture, size) = picture();
-    let best = detector.predictions(&picture, size).expect("predictions");
-    let best = best
-        .iter()
-        .max_by(|a, b| a.confidence.total_cmp(&b.confidence))
-        .expect("a car");
-    let outline: BoxPx = best.box_px;
-    let mut session = session(environment, weights);
+    let mut session = session(&environment, &weights);
     let look = || {
-        detector
-            .loss_and_gradient(&picture, size, &outline, Boxes::Strongest)
-            .expect("a gradient")
-            .expect("a car")
+        let loss = detector.loss_and_gradient(&picture, size, &outline, Boxes::Strongest);
+        loss.expect("a gradient").expect("a car")
     };
-    let mut ms: [Vec<f64>; 4] = Default::default();
-    for _ in 0..ROUNDS {
-        ms[0].push(time(|| forward(&mut session, manifest.input.size_px)));
-        ms[1].push(time(|| drop(detector.predictions(&picture, size))));
-        ms[2].push(time(|| drop(look())));
-        let together = time(|| {
+    for _ in std::io::stdin().lines() {
+        let together = || {
             std::thread::scope(|scope| {
                 (0..2).for_each(|_| drop(scope.spawn(|| (0..TOGETHER).for_each(|_| drop(look())))));
             });
-        });
-        ms[3].push(together / (2 * TOGETHER) as f64);
+        };
+        let round: Round = [
+            time(|| forward(&mut session, manifest.input.size_px)),
+            time(|| drop(detector.predictions(&picture, size))),
+            time(|| drop(look())),
+            time(together) / (2 * TOGETHER) as f64,
+        ];
+        println!("{}", round.map(|ms| ms.to_string()).join(" "));
     }
-    let [ort, forward, both, two] = ms.map(median);
-    let (ratio, faster) = (both / ort, both / two);
-    println!(
-        "{:<14} {ort:>10.1} {forward:>9.1} {both:>16.1} {ratio:>8.1}× {faster:>8.2}×",
-        manifest.name
-    );
 }
 
 fn time(work: impl FnOnce()) -> f64 {

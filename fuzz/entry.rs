@@ -10,6 +10,7 @@ use std::sync::LazyLock;
 
 use image::{DynamicImage, GrayImage, Luma, Rgb, RgbImage};
 use scaleproof_core::files::sha256_hex;
+use scaleproof_detect::onnx_model::{Model, Numbers, Tensor};
 use scaleproof_detect::{
     InputPlacement, Labels, Manifest, OutsideResults, PhotoName, ProgramSpec, Recorded, ResultsRequest,
     darknet_contents_to_onnx, preprocessed, protocol,
@@ -106,6 +107,18 @@ pub fn darknet(bytes: &[u8]) {
     let (cfg, weights) = bytes.split_at(end);
     let weights = weights.get(1..).unwrap_or_default();
     let _ = text(cfg).map(|cfg| darknet_contents_to_onnx(cfg, "x.cfg", weights, "x.weights"));
+}
+
+/// An ONNX file: what is read has as many numbers as its shapes say.
+pub fn onnx(bytes: &[u8]) {
+    let Ok(model) = Model::read(bytes) else { return };
+    for Tensor { shape, numbers } in model.constants.values() {
+        let count = match numbers {
+            Numbers::Floats(v) => v.len(),
+            Numbers::Whole(v) => v.len(),
+        };
+        assert_eq!(count, shape.iter().product::<usize>());
+    }
 }
 
 /// What Transformers says beside a network: whatever is accepted brings photos to an input of a size and of numbers.

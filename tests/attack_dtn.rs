@@ -6,7 +6,6 @@ use crate::common;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 
-use burn::tensor::Device;
 use common::{assert_refused, home, program, read_json, stdout};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
@@ -50,7 +49,7 @@ fn plan(encoder: Encoder, depth: usize, transformer: Transformer) -> TrainingPla
 }
 
 fn trainer(plan: TrainingPlan) -> Trainer {
-    Trainer::new(plan, Device::flex()).unwrap()
+    Trainer::new(plan)
 }
 
 /// The network's model of the first stored view.
@@ -59,7 +58,7 @@ fn first_view(trainer: &Trainer) -> DtnView {
     let all = views(&set.list.frames);
     let grey = all[0].iter().find(|f| f.flat_rgb() == Some(GREY)).unwrap();
     let mask = set.paint_mask(grey).unwrap();
-    trainer.network().view(&set.rgb(grey).unwrap(), &mask).unwrap()
+    trainer.network().view(&set.rgb(grey).unwrap(), &mask)
 }
 
 fn random_maps(rng: &mut Pcg32) -> Maps {
@@ -222,7 +221,7 @@ fn training_lowers_the_error_on_an_unseen_view() {
     assert_eq!((set.training.len(), set.validation.len()), (1, 1), "{}", set.split);
     for transformer in Transformer::ALL {
         let mut trainer = trainer(plan(Encoder::ResNet, 2, transformer));
-        let start = trainer.validate(&set).unwrap().validation_mse.unwrap();
+        let start = trainer.validate(&set).validation_mse.unwrap();
         train(
             &mut trainer,
             &set,
@@ -284,7 +283,7 @@ fn going_on_is_as_if_it_had_not_stopped() {
     train(&mut whole, &set, TrainingBudget::Epochs(12), &path, |_, _| ()).unwrap();
     let mut first = trainer(plan);
     train(&mut first, &set, TrainingBudget::Epochs(7), &path, |_, _| ()).unwrap();
-    let mut second = Trainer::go_on(file::load(&path).unwrap(), Device::flex()).unwrap();
+    let mut second = file::load(&path).unwrap();
     assert_eq!(second.steps, 7);
     train(&mut second, &set, TrainingBudget::Epochs(12), &path, |_, _| ()).unwrap();
     let paint = vec![[0.3, 0.1, 0.7]; 96 * 64];

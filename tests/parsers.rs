@@ -131,6 +131,11 @@ fn darknet_networks() {
 }
 
 #[test]
+fn onnx_networks() {
+    survives("onnx", entry::onnx);
+}
+
+#[test]
 fn preprocessors_of_transformers() {
     survives("preprocessor", entry::preprocessor);
 }

@@ -1,6 +1,8 @@
 """The renderer in PyTorch against the library's; run by the system's Python, whose PyTorch needs no graphics card: python3 in_torch.py OUTPUT."""
 
 import math
+import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -77,7 +79,24 @@ def the_example_runs():
     assert losses[2] < losses[0] and scaleproof.Pattern(OUT / "example.png").colours.shape == (16, 16, 3), ran.stdout
 
 
+def the_page_on_graphics_cards_runs():
+    page, folder = (HOME / "docs/guide/on-a-graphics-card.md").read_text(), OUT / "page"
+    folder.mkdir()
+    (folder / "captures").symlink_to(HOME / "captures")
+    for name, code in re.findall(r"^```python\n# (\S+)\n(.*?)^```$", page, re.DOTALL | re.MULTILINE):
+        (folder / name).write_text(code)
+    [command] = re.findall(r"^\./run (attack run .*)$", page, re.MULTILINE)
+    words = [f"exec:{sys.executable} program.py" if "exec:" in word else word for word in shlex.split(command)]
+    subprocess.run([sys.executable, "-m", "scaleproof", *words], cwd=folder, check=True)
+    assert scaleproof.Pattern(folder / "out/card/attack/pattern.png").colours.shape == (8, 8, 3)
+    ran = subprocess.run([sys.executable, "pattern.py"], cwd=folder, capture_output=True, text=True)
+    assert ran.returncode == 0, ran.stderr
+    losses = [float(line.split()[1]) for line in ran.stdout.splitlines()]
+    assert losses[-1] < losses[0] and scaleproof.Pattern(folder / "pattern.png").colours.shape == (8, 8, 3), ran.stdout
+
+
 images_are_those_of_the_library()
 gradients_are_differences()
 four_steps_are_those_of_the_attack()
 the_example_runs()
+the_page_on_graphics_cards_runs()

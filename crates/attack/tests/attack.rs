@@ -8,6 +8,8 @@ mod adam;
 mod attack_onnx;
 #[path = "attack/attack_onnx_exact.rs"]
 mod attack_onnx_exact;
+#[path = "attack/camou.rs"]
+mod camou;
 #[path = "attack/difficulty.rs"]
 mod difficulty;
 #[path = "attack/printer.rs"]

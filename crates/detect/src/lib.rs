@@ -49,6 +49,7 @@ pub use manifest::{
     TableHead, Unit, Values, Weights,
 };
 pub use nms::{BestFirst, CandidateBox, suppress};
+pub use onnx::model as onnx_model;
 pub use outside::{OutsideError, OutsideResults, PhotoName, PhotoNames, ResultsRequest, flat_name};
 pub use program::{
     Gradients, ProgramDefence, ProgramDetector, ProgramError, ProgramImage, ProgramPhoto, ProgramSpec,

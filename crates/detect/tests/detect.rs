@@ -28,6 +28,8 @@ mod manifest;
 mod metadata;
 #[path = "detect/nms.rs"]
 mod nms;
+#[path = "detect/onnx_model.rs"]
+mod onnx_model;
 #[path = "detect/others.rs"]
 mod others;
 #[path = "detect/photo_names.rs"]

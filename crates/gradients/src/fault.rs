@@ -8,9 +8,9 @@ pub enum NetworkFault {
     /// A sentence about settings that make no sense.
     #[error("{0}")]
     Malformed(&'static str),
-    /// What the parser or the tensor framework says.
+    /// Why the file cannot be read, in the reader's words.
     #[error("{0}")]
-    Framework(String),
+    Unreadable(String),
     #[error("its input {0} is missing")]
     MissingInput(usize),
     #[error("its input {0} holds whole numbers where fractions belong")]
@@ -23,8 +23,6 @@ pub enum NetworkFault {
     NoAxis(usize, i64),
     #[error("a tensor {0:?} came where rank {1} belongs")]
     Rank(Vec<usize>, usize),
-    #[error("a tensor {0:?} has more than {1} axes")]
-    TooManyAxes(Vec<usize>, usize),
     #[error("its tensors would have more than {0} numbers")]
     TooLarge(usize),
     #[error("a tensor {0:?} cannot become {1:?}")]
@@ -33,6 +31,13 @@ pub enum NetworkFault {
     Mismatch(&'static str, Vec<usize>, Vec<usize>),
     #[error("it asks for indices {0:?} of an axis of length {1}")]
     Indices(Vec<usize>, usize),
+}
+
+impl NetworkFault {
+    /// At a node of the network.
+    pub(crate) fn at(self, node: &str) -> Self {
+        NetworkFault::At(node.to_owned(), self.into())
+    }
 }
 
 impl From<&'static str> for NetworkFault {

@@ -2,8 +2,9 @@
 //!
 //! - [`WhiteBox`]: what an attack asks of a detector;
 //! - [`program`]: a program as a [`WhiteBox`], whose derivatives are held against differences first;
-//! - [`network`] (Cargo feature `attack`): a detector of the program as a [`WhiteBox`], from the ONNX file that scoring runs;
-//! - [`device`]: what the networks run on.
+//! - [`detector`]: a detector of the program as a [`WhiteBox`], from the ONNX file that scoring runs ([`onnx`]);
+//! - [`layers`]: what networks are made of, on plain arrays; [`layers::learning`]: networks whose weights are learnt;
+//! - [`adam`]: the steps of weights and of patterns.
 //!
 //! Images are sRGB, 0 to 1, row by row, as surrogate renderers predict them.
 //!
@@ -15,19 +16,20 @@
 //! assert_eq!(strongest(&[], &outline, MEETS_IOU), None);
 //! ```
 
+pub mod adam;
 mod derivative;
-pub mod device;
+pub mod detector;
 mod fault;
-#[cfg(feature = "attack")]
-pub mod network;
+pub mod layers;
+pub mod onnx;
 pub mod program;
+pub mod resample;
 pub mod separable;
 mod strongest;
 
 pub use fault::NetworkFault;
 pub use strongest::{Boxes, MEETS_IOU, strongest};
 
-use device::DeviceError;
 use scaleproof_core::files::FileError;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_detect::ProgramError;
@@ -63,8 +65,6 @@ pub enum WhiteBoxError {
     Probabilities,
     #[error("its head chooses boxes by itself, and no gradient passes the choice; attack another detector")]
     ChosenBoxes,
-    #[error(transparent)]
-    Device(#[from] DeviceError),
     #[error(transparent)]
     Program(#[from] ProgramError),
     #[error("{name} gives no gradients, and this differentiates it: let its hello have \"gradients\": true")]

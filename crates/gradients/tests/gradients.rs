@@ -2,5 +2,7 @@
 
 #[path = "gradients/activation.rs"]
 mod activation;
+#[path = "gradients/learning.rs"]
+mod learning;
 #[path = "gradients/resample.rs"]
 mod resample;

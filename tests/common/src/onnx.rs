@@ -251,7 +251,7 @@ fn value(name: &str, element: u64, shape: &[i64]) -> Vec<u8> {
     [bytes(1, name.as_bytes()), bytes(2, &bytes(1, &tensor))].concat()
 }
 
-fn varint(mut v: u64) -> Vec<u8> {
+pub fn varint(mut v: u64) -> Vec<u8> {
     let mut out = Vec::new();
     while v >= 0x80 {
         out.push(v as u8 | 0x80);
@@ -261,10 +261,10 @@ fn varint(mut v: u64) -> Vec<u8> {
     out
 }
 
-fn int(field: u64, v: u64) -> Vec<u8> {
+pub fn int(field: u64, v: u64) -> Vec<u8> {
     [varint(field << 3), varint(v)].concat()
 }
 
-fn bytes(field: u64, v: &[u8]) -> Vec<u8> {
+pub fn bytes(field: u64, v: &[u8]) -> Vec<u8> {
     [varint(field << 3 | 2), varint(v.len() as u64), v.to_vec()].concat()
 }

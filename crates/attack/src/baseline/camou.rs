@@ -4,17 +4,13 @@
 //! The paper's clone sees the pattern tiled on a view; ours sees the pattern alone and imitates the mean score over a
 //! minibatch of views, which is the expectation that the paper's loss takes.
 
-use burn::module::Module;
-use burn::nn::conv::{Conv2d, Conv2dConfig};
-use burn::nn::{Linear, LinearConfig};
-use burn::optim::{AdamConfig, GradientsParams, ModuleOptimizer};
-use burn::tensor::activation::{relu, sigmoid};
-use burn::tensor::{Device, Tensor, TensorData};
 use rand::{Rng, RngExt};
 
 use super::{BlackBox, SearchConfig};
-use crate::run::adam::Adam;
+use crate::run::adam::CellMoments;
 use crate::run::{Rgb, RunError, drawn_by};
+use scaleproof_gradients::adam::Adam;
+use scaleproof_gradients::layers::learning::{By, Kernel, Network};
 
 /// Random patterns the clone first learns from.
 const FIRST: usize = 32;
@@ -24,9 +20,12 @@ const ASKED: usize = 6;
 const VIEWS: u32 = 6;
 /// Images of the first round: with fewer nothing is searched.
 pub const FIRST_ROUND: u64 = FIRST as u64 * VIEWS as u64;
-/// Steps of training and of descent a round, and their rates.
+/// Steps of training and of descent a round, and how long they are.
 const TRAINING: usize = 40;
-const TRAINING_RATE: f64 = 1e-3;
+const ADAM: Adam = Adam {
+    learning_rate: 1e-3,
+    epsilon: 1e-5,
+};
 const DESCENT: usize = 20;
 const DESCENT_RATE: f64 = 0.02;
 /// Patterns in a minibatch of the clone.
@@ -36,34 +35,111 @@ const SPREAD: f64 = 0.15;
 const NOTED_EVERY: u32 = 4;
 const CHANNELS: usize = 16;
 
-/// The network that imitates renderer and detector: from a pattern to its score.
-#[derive(Module, Debug)]
-struct Clone2d {
-    first: Conv2d,
-    second: Conv2d,
-    hidden: Linear,
-    last: Linear,
+/// Units of the layer before the last.
+const HIDDEN: usize = 32;
+const KERNEL: Kernel = Kernel {
+    size: [3, 3],
+    stride: 1,
+    padding: 0,
+};
+
+/// The network that imitates renderer and detector: from a pattern to its score. Two convolutions, without padding, and two linear layers.
+#[derive(Debug, Clone)]
+pub struct Clone2d {
+    side: usize,
+    /// Weights (outputs × inputs) and biases of each layer in turn.
+    pub lists: Vec<Vec<f32>>,
+    /// Adam's moments of each list.
+    moments: Vec<[Vec<f32>; 2]>,
+    steps: i32,
 }
 
 impl Clone2d {
-    fn new(cells: usize, device: &Device) -> Self {
-        let conv = |channels| Conv2dConfig::new(channels, [3, 3]).init(device);
-        // Two convolutions without padding take four cells off.
-        let flat = 2 * CHANNELS * (cells - 4) * (cells - 4);
+    /// Weights and biases are uniform within 1/√inputs, as PyTorch draws those of its layers.
+    pub fn new(side: usize, rng: &mut impl Rng) -> Self {
+        // Two convolutions take four cells off.
+        let flat = 2 * CHANNELS * (side - 4) * (side - 4);
+        let layers = [
+            (3 * 9, CHANNELS),
+            (CHANNELS * 9, 2 * CHANNELS),
+            (flat, HIDDEN),
+            (HIDDEN, 1),
+        ];
+        let mut lists = Vec::new();
+        for (inputs, outputs) in layers {
+            let most = 1.0 / (inputs as f32).sqrt();
+            let mut list = |count| Vec::from_iter((0..count).map(|_| rng.random_range(-most..most)));
+            lists.extend([list(inputs * outputs), list(outputs)]);
+        }
+        let zeros = |list: &Vec<f32>| [vec![0.0; list.len()], vec![0.0; list.len()]];
         Self {
-            first: conv([3, CHANNELS]),
-            second: conv([CHANNELS, 2 * CHANNELS]),
-            hidden: LinearConfig::new(flat, 32).init(device),
-            last: LinearConfig::new(32, 1).init(device),
+            side,
+            moments: lists.iter().map(zeros).collect(),
+            lists,
+            steps: 0,
         }
     }
 
-    /// `patterns`: [N, 3, rows, columns], sRGB of 0 to 1; the result is [N, 1], before the sigmoid.
-    fn forward(&self, patterns: Tensor<4>) -> Tensor<2> {
-        let x = relu(self.first.forward(patterns - 0.5));
-        let x: Tensor<2> = relu(self.second.forward(x)).flatten(1, 3);
-        self.last.forward(relu(self.hidden.forward(x)))
+    /// The score before its sigmoid.
+    fn network(&self, by: By) -> Network {
+        let (mut network, mut x) = Network::new(3, [self.side; 2], by);
+        for (layer, lists) in self.lists.chunks_exact(2).enumerate() {
+            let lists = [&lists[0][..], &lists[1]];
+            if layer > 0 {
+                x = network.relu(x);
+            }
+            x = match layer {
+                0 | 1 => network.convolution(x, KERNEL, lists),
+                _ => network.linear(x, lists),
+            };
+        }
+        network
     }
+
+    /// The mean binary cross-entropy of the clone's scores of patterns and those that they have, and its derivatives by each list.
+    pub fn loss_and_gradient(&self, samples: &[(&[Rgb], f64)]) -> (f64, Vec<Vec<f32>>) {
+        let share = 1.0 / samples.len() as f64;
+        let loss = |(_, score): &(&[Rgb], f64), logit: &[f32]| {
+            let x = f64::from(logit[0]);
+            // −t ln σ(x) − (1 − t) ln (1 − σ(x)), without a sigmoid that saturates.
+            let loss = x.max(0.0) - x * score + (-x.abs()).exp().ln_1p();
+            (share * loss, vec![(share * (sigmoid(x) - score)) as f32])
+        };
+        let network = self.network(By::Weights);
+        network.loss_and_derivatives(samples, |(cells, _)| input(cells), loss)
+    }
+
+    /// One step of training; returns the loss before it.
+    pub fn step(&mut self, samples: &[(&[Rgb], f64)]) -> f64 {
+        let (loss, gradients) = self.loss_and_gradient(samples);
+        self.steps = self.steps.saturating_add(1);
+        for ((list, moments), gradient) in self.lists.iter_mut().zip(&mut self.moments).zip(&gradients) {
+            ADAM.step(self.steps, list, gradient, moments.each_mut().map(Vec::as_mut_slice));
+        }
+        loss
+    }
+
+    /// The score of a pattern, and its derivative by the cells.
+    pub fn score_and_gradient(&self, cells: &[Rgb]) -> (f64, Vec<Rgb>) {
+        let score = |_: &&[Rgb], logit: &[f32]| {
+            let score = sigmoid(f64::from(logit[0]));
+            (score, vec![(score * (1.0 - score)) as f32])
+        };
+        let network = self.network(By::Image);
+        let (score, gradients) = network.loss_and_derivatives(&[cells], |cells| input(cells), score);
+        let of_cell = |i: usize| std::array::from_fn(|c| f64::from(gradients[0][c * cells.len() + i]));
+        (score, (0..cells.len()).map(of_cell).collect())
+    }
+}
+
+fn sigmoid(x: f64) -> f64 {
+    1.0 / (1.0 + (-x).exp())
+}
+
+/// What the network sees of a pattern: channel by channel, about 0.
+fn input(cells: &[Rgb]) -> Vec<f32> {
+    let channel = |c: usize| cells.iter().map(move |cell| cell[c] as f32 - 0.5);
+    (0..3).flat_map(channel).collect()
 }
 
 /// What a clone has seen.
@@ -73,12 +149,9 @@ struct Answered {
 }
 
 /// Searches until the query budget is exhausted. The pattern must have six cells a side or more.
-pub fn search(oracle: &mut BlackBox, config: &SearchConfig, device: &Device) -> Result<Vec<Rgb>, RunError> {
-    let device = device.clone().autodiff();
-    device.seed(config.seed);
+pub fn search(oracle: &mut BlackBox, config: &SearchConfig) -> Result<Vec<Rgb>, RunError> {
     let side = config.cells as usize;
-    let mut clone = Clone2d::new(side, &device);
-    let mut optimiser = AdamConfig::new().init();
+    let mut clone = Clone2d::new(side, &mut drawn_by(config.seed, u32::MAX - 1));
     let mut rng = drawn_by(config.seed, u32::MAX);
     let random = |rng: &mut rand_pcg::Pcg32| -> Vec<Rgb> {
         let mut cell = |_| std::array::from_fn(|_| rng.random());
@@ -100,8 +173,8 @@ pub fn search(oracle: &mut BlackBox, config: &SearchConfig, device: &Device) -> 
             }
         }
         seen.extend(answers);
-        clone = train(clone, &mut optimiser, &seen, &mut rng, &device);
-        let next = descend(&clone, best.clone(), side, &device);
+        train(&mut clone, &seen, &mut rng);
+        let next = descend(&clone, best.clone());
         // The pattern itself, and what is around it.
         let around = |rng: &mut rand_pcg::Pcg32| -> Vec<Rgb> {
             let mut noisy = |v: f64| (v + SPREAD * 3.0_f64.sqrt() * rng.random_range(-1.0..1.0)).clamp(0.0, 1.0);
@@ -132,59 +205,22 @@ fn ask(
     Ok(Some(answers))
 }
 
-/// Binary cross-entropy against the scores, the last answers always among them.
-fn train(
-    mut clone: Clone2d,
-    optimiser: &mut ModuleOptimizer,
-    seen: &[Answered],
-    rng: &mut impl Rng,
-    device: &Device,
-) -> Clone2d {
+/// Against the scores, the last answers always among them.
+fn train(clone: &mut Clone2d, seen: &[Answered], rng: &mut impl Rng) {
     for _ in 0..TRAINING {
         let recent = seen.len().saturating_sub(ASKED)..seen.len();
         let random = (0..MINIBATCH.min(seen.len())).map(|_| rng.random_range(0..seen.len()));
-        let chosen: Vec<&Answered> = recent.chain(random).map(|i| &seen[i]).collect();
-        let patterns: Vec<&[Rgb]> = chosen.iter().map(|a| a.cells.as_slice()).collect();
-        let scores: Vec<f32> = chosen.iter().map(|a| a.score as f32).collect();
-        let count = scores.len();
-        let truth: Tensor<2> = Tensor::from_data(TensorData::new(scores, [count, 1]), device);
-        let logit = clone.forward(input(&patterns, device));
-        // relu(x) − x·t + ln(1 + e^−|x|): cross-entropy of a sigmoid that does not saturate.
-        let soft = (logit.clone().abs().neg().exp() + 1.0).log();
-        let loss = (relu(logit.clone()) - logit * truth + soft).mean();
-        let gradients = GradientsParams::from_grads(loss.backward(), &clone);
-        clone = optimiser.step(TRAINING_RATE, clone, gradients);
+        let chosen = recent.chain(random).map(|i| (seen[i].cells.as_slice(), seen[i].score));
+        clone.step(&Vec::from_iter(chosen));
     }
-    clone
 }
 
 /// The pattern down the clone's score.
-fn descend(clone: &Clone2d, mut cells: Vec<Rgb>, side: usize, device: &Device) -> Vec<Rgb> {
-    let mut adam = Adam::new(cells.len());
+fn descend(clone: &Clone2d, mut cells: Vec<Rgb>) -> Vec<Rgb> {
+    let mut moments = CellMoments::new(cells.len());
     for _ in 0..DESCENT {
-        let pattern = input(&[&cells], device).require_grad();
-        let score = sigmoid(clone.forward(pattern.clone())).sum();
-        let gradient = pattern.grad(&score.backward());
-        let Some(values) = gradient.and_then(|g| g.into_data().try_to_vec::<f32>().ok()) else {
-            break;
-        };
-        let plane = side * side;
-        let of_cell = |i: usize| std::array::from_fn(|c| f64::from(values[c * plane + i]));
-        let gradient: Vec<Rgb> = (0..plane).map(of_cell).collect();
-        adam.step(&mut cells, &gradient, DESCENT_RATE, [0.0, 1.0]);
+        let (_, gradient) = clone.score_and_gradient(&cells);
+        moments.step(&mut cells, &gradient, DESCENT_RATE, [0.0, 1.0]);
     }
     cells
-}
-
-/// [N, 3, side, side].
-fn input(patterns: &[&[Rgb]], device: &Device) -> Tensor<4> {
-    let cells = patterns.first().map_or(0, |p| p.len());
-    let side = cells.isqrt();
-    let mut values = Vec::with_capacity(3 * cells * patterns.len());
-    for pattern in patterns {
-        for channel in 0..3 {
-            values.extend(pattern.iter().map(|cell| cell[channel] as f32));
-        }
-    }
-    Tensor::from_data(TensorData::new(values, [patterns.len(), 3, side, side]), device)
 }

@@ -1,12 +1,11 @@
 //! What an attack must beat: patterns found without looking into the detector, and patterns that come from elsewhere.
 //!
 //! - [`genetic`]: ER, a genetic search over a repeated mosaic (Wu et al. 2020);
-//! - `camou`: CAMOU, a network that imitates renderer and detector (Zhang et al., ICLR 2019);
+//! - [`camou`]: CAMOU, a network that imitates renderer and detector (Zhang et al., ICLR 2019);
 //! - [`patches`]: finished patches in their places (UPC, DAS).
 //!
 //! Random and flat patterns need no search. All are judged by the same views as the attack.
 
-#[cfg(feature = "attack")]
 pub mod camou;
 pub mod genetic;
 pub mod patches;

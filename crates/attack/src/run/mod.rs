@@ -37,7 +37,7 @@ use rand::seq::SliceRandom;
 use rand_pcg::Pcg32;
 use serde::{Deserialize, Serialize};
 
-use adam::Adam;
+use adam::CellMoments;
 use augmentation::{Augmentation, Eot};
 use checkpoint::Checkpoint;
 use difficulty::Difficulty;
@@ -222,7 +222,7 @@ pub struct Attack<'a> {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AttackState {
     pub cells: Vec<Rgb>,
-    pub adam: Adam,
+    pub adam: CellMoments,
     pub weights: DetectorWeights,
     pub difficulty: Difficulty,
 }
@@ -265,7 +265,7 @@ impl<'a> Attack<'a> {
                     .map(|cell| cell.map(|v| v.clamp(low, high)));
                 let cells: Vec<Rgb> = cells.collect();
                 let state = AttackState {
-                    adam: Adam::new(cells.len()),
+                    adam: CellMoments::new(cells.len()),
                     weights: DetectorWeights::new(detectors.len()),
                     difficulty: Difficulty::new(view_set.views.len()),
                     cells,

@@ -2,10 +2,9 @@
 
 use crate::common;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use burn::tensor::Device;
 use common::{home, shared};
 use image::RgbImage;
 use parity::{FOLLOWED, as_written, by_network, by_onnx_runtime, numbers, photo, photos, session, worst_difference};
@@ -15,17 +14,18 @@ use scaleproof_attack::run::augmentation::Eot;
 use scaleproof_attack::run::view_set::{TextureMapping, ViewSet};
 use scaleproof_attack::run::weights::Against;
 use scaleproof_attack::run::{Attack, AttackConfig};
-use scaleproof_detect::{Detector, Hints, Manifest, Runtime, propose};
+use scaleproof_detect::{Detector, Hints, Labels, Manifest, Runtime, propose};
 use scaleproof_frames::frames::FrameSet;
 use scaleproof_frames::surrogate::projection::Grid;
-use scaleproof_gradients::device::DeviceKind;
-use scaleproof_gradients::network::detector::OnnxDetector;
-use scaleproof_gradients::network::onnx::OnnxNetwork;
+use scaleproof_gradients::detector::OnnxDetector;
+use scaleproof_gradients::onnx::OnnxNetwork;
 use scaleproof_gradients::{Boxes, Prediction, WhiteBox};
 
 use crate::common::onnx;
 #[path = "attack_onnx/parity.rs"]
 pub(super) mod parity;
+#[path = "attack_onnx/stored.rs"]
+mod stored;
 
 const CAR: usize = 2;
 
@@ -37,7 +37,7 @@ fn outputs_are_those_of_onnx_runtime() {
         let (bytes, manifest) = (std::fs::read(path).unwrap(), Manifest::named(name).unwrap());
         let shape = [1, 3, side, side];
         let started = Instant::now();
-        let network = OnnxNetwork::read(&bytes, file, &shape, Some([side as u32; 2]), &Device::flex()).unwrap();
+        let network = OnnxNetwork::read(&bytes, file, &shape, Some([side as u32; 2])).unwrap();
         let opened = started.elapsed();
         let mut session = session(&bytes);
         let mut as_written = as_written(&bytes);
@@ -65,24 +65,34 @@ fn outputs_are_those_of_onnx_runtime() {
 
 fn opened(name: &str, file: &str, labels: &[usize]) -> (OnnxDetector, PathBuf) {
     let path = shared(&format!("detectors/{file}"));
-    let detector = OnnxDetector::open(&Manifest::named(name).unwrap(), &path, labels, DeviceKind::Cpu).unwrap();
+    let detector = OnnxDetector::open(&Manifest::named(name).unwrap(), &path, labels).unwrap();
     (detector, path)
 }
 
-/// Networks of other lineages, with the manifests that `detectors add` proposes.
+/// Networks of other lineages, with the manifests that `detectors add` proposes; those whose labels somebody has to name, with their own.
 fn others() -> Vec<(Manifest, PathBuf)> {
+    let more = |name: &str, end: &str| shared(&format!("detectors_more/{name}.{end}"));
+    let proposed = |name: &str| {
+        let path = more(name, "onnx");
+        let found = propose(Runtime::load().unwrap(), &path, "network.onnx", name, Hints::default()).unwrap();
+        (found.manifest, path)
+    };
+    let named = |name: &str| {
+        let text = std::fs::read_to_string(more(name, "toml")).unwrap();
+        (Manifest::parse(&text, name).unwrap(), more(name, "onnx"))
+    };
+    let without_labels = ["yolov8n_640", "yolo26n_320_table", "yolo26n_320"];
     let names = [
         "yolov4_tiny",
         "ssdlite_mobilenet_v2_coco",
         "yolo_fastest_xl",
         "picodet_s_320",
     ];
-    let proposed = |name: &str| {
-        let path = shared(&format!("detectors_more/{name}.onnx"));
-        let found = propose(Runtime::load().unwrap(), &path, "network.onnx", name, Hints::default()).unwrap();
-        (found.manifest, path)
-    };
-    names.map(proposed).into()
+    names
+        .iter()
+        .map(|name| proposed(name))
+        .chain(without_labels.map(named))
+        .collect()
 }
 
 #[test]
@@ -92,7 +102,7 @@ fn outputs_of_other_lineages_are_those_of_onnx_runtime() {
         let bytes = std::fs::read(path).unwrap();
         let [width, height] = manifest.input.size_px.map(|side| side as usize);
         let shape = [1, 3, height, width];
-        let network = OnnxNetwork::read(&bytes, &manifest.name, &shape, None, &Device::flex()).unwrap();
+        let network = OnnxNetwork::read(&bytes, &manifest.name, &shape, None).unwrap();
         let mut as_written = as_written(&bytes);
         let mut worst = 0.0_f32;
         for path in photos().iter().step_by(4) {
@@ -117,10 +127,10 @@ fn gradients_of_other_lineages_are_those_of_finite_differences() {
     let mut rng = Pcg32::seed_from_u64(5);
     for (manifest, path) in others() {
         let car = manifest.labels.find("car").unwrap();
-        let detector = OnnxDetector::open(&manifest, &path, &[car], DeviceKind::Cpu).unwrap();
+        let detectors = both(&manifest, &path, &[car]);
         for path in photos().iter().step_by(7) {
             let (picture, size) = picture(&image::imageops::thumbnail(&photo(path), 640, 480));
-            let (worst, jumps) = worst_derivative(&detector, &picture, size, &mut rng);
+            let (worst, jumps) = worst_derivative(&detectors, &picture, size, &mut rng);
             assert!(jumps == 0 && worst < 0.01, "{}: {worst}, {jumps} jumps", manifest.name);
         }
     }
@@ -140,11 +150,26 @@ fn best_predictions(confidences: &[f64], count: usize) -> Vec<f64> {
     weights
 }
 
+/// Detectors that list their predictions by confidence.
+const SORTED: [&str; 5] = [
+    "deimv2_femto",
+    "deimv2_atto",
+    "yolo26n_320",
+    "yolo26_end2end",
+    "rtdetr_v2",
+];
+
 /// Σ weight · loss of some predictions, each met again in another image by its place in the list or, in lists that are sorted by
 /// confidence, as the one that is nearest.
-fn loss(detector: &OnnxDetector, picture: &[[f64; 3]], size: [u32; 2], known: &[Prediction], weights: &[f64]) -> f64 {
+fn loss(
+    detector: &OnnxDetector<f64>,
+    picture: &[[f64; 3]],
+    size: [u32; 2],
+    known: &[Prediction],
+    weights: &[f64],
+) -> f64 {
     let predictions = detector.predictions(picture, size).unwrap();
-    let is_sorted = detector.name().starts_with("deim");
+    let is_sorted = SORTED.contains(&detector.name());
     let again = |i: usize| {
         if is_sorted {
             predictions
@@ -172,18 +197,26 @@ fn dot(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
         .sum()
 }
 
+/// A detector of 32 bits, and the same in 64, whose differences are not drowned by rounding.
+type Both = (OnnxDetector, OnnxDetector<f64>);
+
+fn both(manifest: &Manifest, path: &Path, labels: &[usize]) -> Both {
+    let exact = OnnxDetector::open_as(manifest, path, labels).unwrap();
+    (OnnxDetector::open(manifest, path, labels).unwrap(), exact)
+}
+
 /// By how much directional derivatives of the three best predictions' losses differ from central differences, relatively; the worst of some
 /// directions, and in how many the loss jumps.
 ///
 /// Networks that choose queries choose others a little further on: the loss has a jump there, and differences over other steps are others.
-fn worst_derivative(detector: &OnnxDetector, picture: &[[f64; 3]], size: [u32; 2], rng: &mut Pcg32) -> (f64, usize) {
+fn worst_derivative((detector, exact): &Both, picture: &[[f64; 3]], size: [u32; 2], rng: &mut Pcg32) -> (f64, usize) {
     let look = detector.forward(picture, size).unwrap();
     let known = look.predictions().to_vec();
     let confidences: Vec<f64> = known.iter().map(|c| c.confidence).collect();
     let weights = best_predictions(&confidences, 3);
     let gradient = look.vjp(&weights);
     let length = dot(&gradient, &gradient).sqrt();
-    let before = loss(detector, picture, size, &known, &weights);
+    let before = loss(exact, picture, size, &known, &weights);
     let (mut worst, mut jumps) = (0.0_f64, 0);
     for _ in 0..2 {
         // Half along the gradient, so that the derivative stands out of the noise of 32 bits, half anywhere.
@@ -196,14 +229,14 @@ fn worst_derivative(detector: &OnnxDetector, picture: &[[f64; 3]], size: [u32; 2
             .map(|(g, n)| std::array::from_fn(|c| g[c] / length + n[c] / noise_length))
             .collect();
         let expected = dot(&gradient, &direction);
-        // The rounding of 32 bits disturbs small steps, bends of the network large ones.
+        // Rounding disturbs small steps, bends of the network large ones.
         let steps = [0.01, 0.003, 0.001, 0.0003].map(|share| share * before / expected);
         let moved = |by: f64| -> Vec<[f64; 3]> {
             let pixels = picture.iter().zip(&direction);
             pixels.map(|(p, d)| std::array::from_fn(|c| p[c] + by * d[c])).collect()
         };
         let slopes = steps.map(|step| {
-            let [up, down] = [step, -step].map(|by| loss(detector, &moved(by), size, &known, &weights));
+            let [up, down] = [step, -step].map(|by| loss(exact, &moved(by), size, &known, &weights));
             (up - down) / (2.0 * step)
         });
         // Where two steps agree best neither disturbs; across a jump none agree, since it counts the more the smaller the step is.
@@ -228,11 +261,12 @@ fn worst_derivative(detector: &OnnxDetector, picture: &[[f64; 3]], size: [u32; 2
 fn gradients_are_those_of_finite_differences() {
     let mut rng = Pcg32::seed_from_u64(5);
     for (name, file, _) in FOLLOWED {
-        let (detector, _) = opened(name, file, &[CAR]);
+        let path = shared(&format!("detectors/{file}"));
+        let detectors = both(&Manifest::named(name).unwrap(), &path, &[CAR]);
         let (mut worst, mut jumps) = (0.0_f64, 0);
         for path in photos().iter().step_by(5) {
             let (picture, size) = picture(&image::imageops::thumbnail(&photo(path), 640, 480));
-            let (of_photo, of_photo_jumps) = worst_derivative(&detector, &picture, size, &mut rng);
+            let (of_photo, of_photo_jumps) = worst_derivative(&detectors, &picture, size, &mut rng);
             worst = worst.max(of_photo);
             jumps += of_photo_jumps;
         }
@@ -896,8 +930,8 @@ fn every_operator_answers_and_derives_as_it_should() {
     ];
     for net in nets.into_iter().flatten() {
         let bytes = net.bytes();
-        let network = OnnxNetwork::read(&bytes, net.name, &net.shape, None, &Device::flex())
-            .unwrap_or_else(|e| panic!("{}: {e}", net.name));
+        let network =
+            OnnxNetwork::read(&bytes, net.name, &net.shape, None).unwrap_or_else(|e| panic!("{}: {e}", net.name));
         let mut session = session(&bytes);
         let x = spread(net.shape.iter().product(), 21);
         let theirs = by_onnx_runtime(&mut session, &net.shape, &x);
@@ -1133,7 +1167,7 @@ fn networks_that_end_as_the_families_do_are_followed() {
         let all: Vec<usize> = (0..manifest.labels.count())
             .filter(|l| manifest.labels.name(*l).is_some())
             .collect();
-        let detector = OnnxDetector::open(&manifest, &path, &all, DeviceKind::Cpu).unwrap();
+        let detector = OnnxDetector::open(&manifest, &path, &all).unwrap();
         let predictions = detector.predictions(&picture, size).unwrap();
         // Scoring keeps boxes to a hundredth of a pixel, and none that is thinner.
         let solid = predictions
@@ -1149,10 +1183,44 @@ fn networks_that_end_as_the_families_do_are_followed() {
             "{head}: {best} {:?}",
             found[0]
         );
-        let cars = OnnxDetector::open(&manifest, &path, &[2, 5, 7], DeviceKind::Cpu).unwrap();
+        let cars = both(&manifest, &path, &[2, 5, 7]);
         let (worst, jumps) = worst_derivative(&cars, &picture, size, &mut rng);
         assert_eq!(jumps, 0, "{head}");
         assert!(worst < 0.01, "{head}: {worst}");
+    }
+}
+
+/// Networks as their own frameworks export them, with random weights.
+#[test]
+fn exported_networks_are_followed() {
+    let mut rng = Pcg32::seed_from_u64(7);
+    let folder = home().join("tests/data/exported");
+    let labels = ["car", "bus", "truck", "person", "dog"].map(str::to_owned);
+    let named = Hints {
+        labels: Some(Labels::of_names(labels.to_vec()).unwrap()),
+        ..Hints::default()
+    };
+    let photo = photo(&folder.join("wide.png"));
+    let (picture, size) = picture(&photo);
+    for (name, hints) in [
+        ("yolo26", Hints::default()),
+        ("yolo26_end2end", Hints::default()),
+        ("rtdetr_v2", named),
+    ] {
+        let path = folder.join(format!("{name}.onnx"));
+        let manifest = propose(Runtime::load().unwrap(), &path, "network.onnx", name, hints)
+            .unwrap()
+            .manifest;
+        let (bytes, [width, height]) = (std::fs::read(&path).unwrap(), manifest.input.size_px);
+        let shape = [1, 3, height as usize, width as usize];
+        let network = OnnxNetwork::read(&bytes, name, &shape, None).unwrap();
+        let numbers = numbers(&photo, &manifest);
+        let theirs = by_onnx_runtime(&mut as_written(&bytes), &shape, &numbers);
+        let worst = worst_difference(&by_network(&network, &numbers), &theirs);
+        assert!(worst < 1e-4, "{name}: {worst}");
+        let (worst, jumps) = worst_derivative(&both(&manifest, &path, &[0]), &picture, size, &mut rng);
+        println!("{name}: derivatives within {:.2} %", 100.0 * worst);
+        assert!(jumps == 0 && worst < 0.01, "{name}: {worst}, {jumps} jumps");
     }
 }
 
@@ -1162,7 +1230,7 @@ fn a_saturated_confidence_has_a_finite_loss_and_a_gradient() {
     let path = folder.path().join("one_box.onnx");
     for bias in [-80.0_f32, 0.0, 8.0, 16.5, 17.5, 40.0, 200.0, 600.0] {
         std::fs::write(&path, one_box(bias)).unwrap();
-        let detector = OnnxDetector::open(&one_box_manifest(), &path, &[2, 5, 7], DeviceKind::Cpu).unwrap();
+        let detector = OnnxDetector::open(&one_box_manifest(), &path, &[2, 5, 7]).unwrap();
         let picture = vec![[0.25; 3]; 64 * 64];
         let look = detector.forward(&picture, [64, 64]).unwrap();
         let prediction = look.predictions()[0];
@@ -1209,7 +1277,7 @@ fn damaged_files_are_refused_in_a_sentence_or_read() {
                 }
             }
             all += 1;
-            if let Err(e) = OnnxNetwork::read(&bytes, "damaged.onnx", &net.shape, None, &Device::flex()) {
+            if let Err(e) = OnnxNetwork::read(&bytes, "damaged.onnx", &net.shape, None) {
                 refused += 1;
                 let sentence = e.to_string();
                 assert!(
@@ -1270,7 +1338,7 @@ fn tensors_without_bound_are_refused_before_they_are_made() {
     ];
     for (i, parts) in nets.into_iter().enumerate() {
         let bytes = onnx::graph(&onnx::Input::floats("x", &[1, 3, 32, 32]), &parts, &["y"], 13);
-        let error = OnnxNetwork::read(&bytes, "huge.onnx", &[1, 3, 32, 32], None, &Device::flex()).err();
+        let error = OnnxNetwork::read(&bytes, "huge.onnx", &[1, 3, 32, 32], None).err();
         let error = error.unwrap_or_else(|| panic!("network {i} is taken")).to_string();
         println!("{i}: {error}");
         assert_eq!(error.lines().count(), 1, "{i}: {error}");
@@ -1290,7 +1358,7 @@ fn what_cannot_be_followed_is_refused_in_a_sentence() {
     let path = folder.path().join("net.onnx");
     let refusal = |bytes: &[u8], manifest: &Manifest, labels: &[usize]| {
         std::fs::write(&path, bytes).unwrap();
-        let error = OnnxDetector::open(manifest, &path, labels, DeviceKind::Cpu)
+        let error = OnnxDetector::open(manifest, &path, labels)
             .err()
             .expect("refused")
             .to_string();
@@ -1314,7 +1382,7 @@ fn what_cannot_be_followed_is_refused_in_a_sentence() {
     let error = refusal(&whole, &manifest, &[2, 80]);
     assert!(error.contains("[2, 80] are not among its 80"), "{error}");
     let head = ONE_BOX.rfind("kind = ").unwrap();
-    let chosen = Manifest::parse(&format!("{}kind = \"yolov10\"\n", &ONE_BOX[..head]), "chosen.toml").unwrap();
+    let chosen = Manifest::parse(&format!("{}kind = \"detr\"\n", &ONE_BOX[..head]), "chosen.toml").unwrap();
     let error = refusal(&whole, &chosen, &[2]);
     assert!(error.contains("chooses boxes by itself"), "{error}");
 }

@@ -162,6 +162,7 @@ pub fn anchors(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) -> Resul
         Head::Ssd(head) => ssd::anchors(outputs, size, *head, labels)?,
         Head::Rtdetr { .. } => tables::rtdetr(outputs, size, labels)?,
         Head::Deim {} => Anchors::new(deim(outputs)?.anchors(labels)),
+        Head::Yolov10 {} => queries::yolov10_anchors(outputs, labels)?,
         _ => return Ok(None),
     };
     let keeps = manifest.head.anchor_labels();

@@ -77,20 +77,40 @@ fn tables(outputs: &[Tensor], fits: impl Fn(usize) -> bool) -> Option<Tables<'_>
 /// YOLOv10, YOLO26 and other YOLOs that need no suppression: one table 1×n×6: x1 y1 x2 y2 in input pixels, score, label. Source: Wang et
 /// al. 2024 and the Ultralytics documentation of its exports.
 pub(super) fn yolov10(outputs: &[Tensor], labels: usize) -> Result<Vec<CandidateBox>, HeadError> {
-    let (_, data) = Tensor::shaped(outputs, |shape| matches!(shape, [1, _, 6]))
-        .ok_or_else(|| misfit("yolov10", "1×n×6".into(), outputs))?;
+    let (_, rows) = yolov10_rows(outputs)?;
     // Rows of padding have any label, and no score.
-    let rows = data
-        .as_chunks::<6>()
-        .0
-        .iter()
-        .filter(|o| f64::from(o[4]) >= SCORE_FLOOR);
-    let candidates = rows.map(|[x1, y1, x2, y2, score, label]| match label.round() {
-        label if (0.0..labels as f32).contains(&label) => {
+    let rows = rows.iter().filter(|o| f64::from(o[4]) >= SCORE_FLOOR);
+    let candidates = rows.map(|[x1, y1, x2, y2, score, label]| match named(*label, labels) {
+        Some(label) => {
             let b = [*x1, *y1, *x2, *y2].map(f64::from);
-            Ok(from_corners(label as usize, *score, b.into()))
+            Ok(from_corners(label, *score, b.into()))
         }
-        label => Err(strange_label(label, labels)),
+        None => Err(strange_label(label.round(), labels)),
     });
     candidates.filter_map(Result::transpose).collect()
+}
+
+/// The rows of [`yolov10`] whose label is known, for a gradient.
+pub(super) fn yolov10_anchors(outputs: &[Tensor], labels: usize) -> Result<Anchors, HeadError> {
+    let (output, rows) = yolov10_rows(outputs)?;
+    let of_row = |(i, [x1, y1, x2, y2, _, label]): (usize, &[f32; 6])| {
+        let b = [*x1, *y1, *x2, *y2].map(f64::from);
+        Some(Anchor {
+            label: Some(named(*label, labels)?),
+            ..Anchor::new(b.into(), output, None, 6 * i + 4, 1)
+        })
+    };
+    Ok(Anchors::new(rows.iter().enumerate().filter_map(of_row).collect()))
+}
+
+fn yolov10_rows(outputs: &[Tensor]) -> Result<(usize, &[[f32; 6]]), HeadError> {
+    let (output, data) = Tensor::shaped(outputs, |shape| matches!(shape, [1, _, 6]))
+        .ok_or_else(|| misfit("yolov10", "1×n×6".into(), outputs))?;
+    Ok((output, data.as_chunks().0))
+}
+
+/// A label that is written as a fraction, if it is one of so many.
+fn named(label: f32, labels: usize) -> Option<usize> {
+    let label = label.round();
+    (0.0..labels as f32).contains(&label).then_some(label as usize)
 }

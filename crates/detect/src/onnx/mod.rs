@@ -1,6 +1,7 @@
 //! ONNX files as files: what one says that ONNX Runtime does not tell, and files of our own.
 
 mod external;
+pub mod model;
 mod read;
 mod wire;
 mod write;

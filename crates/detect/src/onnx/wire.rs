@@ -4,11 +4,13 @@
 pub(super) enum Field<'a> {
     Int(u64),
     Bytes(&'a [u8]),
-    /// Four bytes of a float, or of another number of that size.
+    /// A float, or another number of that size.
     Four([u8; 4]),
+    /// A double, or another number of that size.
+    Eight([u8; 8]),
 }
 
-/// The fields of a message, in their order; it ends where the bytes are no message.
+/// The fields of a message, in their order; they end where the bytes are no message.
 pub(super) struct Fields<'a>(pub &'a [u8]);
 
 impl<'a> Fields<'a> {
@@ -30,6 +32,24 @@ impl<'a> Fields<'a> {
         self.0 = rest;
         Some(taken)
     }
+
+    /// All of them; none where the bytes are no message.
+    pub(super) fn all(self) -> Option<Vec<(u64, Field<'a>)>> {
+        self.read_all(Fields::next)
+    }
+
+    /// The bytes as numbers one after the other; none where they are not that.
+    pub(super) fn varints(self) -> Option<Vec<u64>> {
+        self.read_all(Fields::varint)
+    }
+
+    fn read_all<T>(mut self, read: impl Fn(&mut Self) -> Option<T>) -> Option<Vec<T>> {
+        let mut found = Vec::new();
+        while !self.0.is_empty() {
+            found.push(read(&mut self)?);
+        }
+        Some(found)
+    }
 }
 
 impl<'a> Iterator for Fields<'a> {
@@ -39,7 +59,7 @@ impl<'a> Iterator for Fields<'a> {
         let key = self.varint()?;
         let field = match key & 7 {
             0 => Field::Int(self.varint()?),
-            1 => Field::Bytes(self.take(8)?),
+            1 => Field::Eight(self.take(8)?.try_into().ok()?),
             2 => {
                 let count = self.varint()?;
                 Field::Bytes(self.take(count)?)

@@ -3,12 +3,11 @@
 //! - [`additive`]: further colours from a few, because light adds up;
 //! - [`projection`]: where a pattern's cells lie in an image, as a linear map;
 //! - [`renderer`]: closed forms, fitted to a few images of the view;
-//! - `dtn` (Cargo feature `attack`): those that are trained, DTN and NTR;
+//! - [`dtn`]: those that are trained, DTN and NTR;
 //! - [`chart`]: those models against each other.
 
 pub mod additive;
 pub mod chart;
-#[cfg(feature = "attack")]
 pub mod dtn;
 pub mod projection;
 pub mod renderer;

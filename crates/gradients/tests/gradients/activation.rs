@@ -1,6 +1,6 @@
 //! The exponential function of the layers.
 
-use scaleproof_gradients::network::layers::activation::exp;
+use scaleproof_gradients::layers::number::exp;
 
 #[test]
 fn exp_is_that_of_64_bits() {

@@ -2,7 +2,7 @@
 
 use rand::{RngExt, SeedableRng};
 use scaleproof_detect::{Channels, Input, Kernel, Layout, Pad, Resize, Values};
-use scaleproof_gradients::network::resample::Resampler;
+use scaleproof_gradients::resample::Resampler;
 
 fn input(kernel: Kernel, resize: Resize, layout: Layout) -> Input {
     Input {

@@ -6,7 +6,8 @@ use image::RgbImage;
 use ort::session::Session;
 use ort::session::builder::GraphOptimizationLevel;
 use scaleproof_detect::{Manifest, Runtime};
-use scaleproof_gradients::network::onnx::OnnxNetwork;
+use scaleproof_gradients::layers::Number;
+use scaleproof_gradients::onnx::OnnxNetwork;
 
 use crate::common::{shared, skyline};
 
@@ -84,7 +85,7 @@ pub fn as_written(bytes: &[u8]) -> Session {
         .unwrap()
 }
 
-pub fn by_network(network: &OnnxNetwork, numbers: &[f32]) -> Vec<Answered> {
+pub fn by_network<T: Number>(network: &OnnxNetwork<T>, numbers: &[f32]) -> Vec<Answered> {
     let outputs = network.forward(numbers.to_vec(), false).unwrap().outputs;
     outputs
         .iter()
@@ -118,6 +119,17 @@ pub fn worst_difference(ours: &[Answered], theirs: &[Answered]) -> f32 {
 type Row = (f32, f32, [f32; 4]);
 
 fn listed(answer: &[Answered]) -> Option<Vec<Row>> {
+    // Rows of a box, its score and its label.
+    if let [(_, shape, rows)] = answer
+        && let [1, _, 6] = shape[..]
+    {
+        let largest = rows.iter().fold(1.0_f32, |largest, v| largest.max(*v));
+        let rows = rows.chunks_exact(6);
+        return Some(
+            rows.map(|row| (row[5].round(), row[4], std::array::from_fn(|i| row[i] / largest)))
+                .collect(),
+        );
+    }
     let named = |name: &str| answer.iter().find(|(n, ..)| n == name).map(|(.., data)| data);
     let (labels, scores, boxes) = (named("labels")?, named("scores")?, named("boxes")?);
     let largest = boxes.iter().fold(1.0_f32, |largest, v| largest.max(*v));

@@ -6,15 +6,13 @@
 //! gaps of a pixel's width would otherwise have to pass through an image 2^k times smaller. There is no normalisation: batches are a few views, and a
 //! view must not depend on the others of its batch.
 
-use burn::tensor::activation::relu;
-use burn::tensor::module::conv2d;
-use burn::tensor::ops::ConvOptions;
-use burn::tensor::{Device, Tensor, TensorData};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use serde::{Deserialize, Serialize};
 
-use super::{DtnError, Transformer};
+use super::Transformer;
+use super::data::PaintWindow;
+use scaleproof_gradients::layers::learning::{By, Kernel, Network, Output};
 
 /// How the encoder's convolutions are connected.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -133,10 +131,10 @@ impl LayerShapes {
         Self { architecture, convs }
     }
 
-    /// Shapes of the weights in their order: kernels `[out, in, k, k]`, biases `[1, out, 1, 1]`.
-    pub(super) fn shapes(&self) -> Vec<[usize; 4]> {
-        let both = |c: &Conv| [[c.outs, c.ins, c.kernel, c.kernel], [1, c.outs, 1, 1]];
-        self.convs.iter().flat_map(both).collect()
+    /// Whether lists have the lengths of the weights, in their order: kernels (outputs × inputs × rows × columns) and biases.
+    pub(super) fn fits<'a>(&self, lists: impl IntoIterator<Item = &'a Vec<f32>>) -> bool {
+        let lengths = self.convs.iter().flat_map(|c| [c.outs * c.count(), c.outs]);
+        lists.into_iter().map(Vec::len).eq(lengths)
     }
 
     /// First weights: such that f starts about as `x = η · x_ref / η_ref`, which is the reference image where η is the reference, both ReLUs open for
@@ -171,68 +169,67 @@ impl LayerShapes {
         weights
     }
 
-    /// `reference`: `[batch, 3, height, width]`, sRGB 0 to 1, 0 outside the paint; both sizes multiples of [`Architecture::ALIGN_PX`].
-    /// The result is TF, `[batch, channels, height, width]`.
-    pub(super) fn forward(&self, weights: &[Tensor<4>], reference: Tensor<4>) -> Tensor<4> {
-        let mut layers = self.convs.iter().zip(weights.chunks_exact(2));
-        // The next of the convolutions.
-        let mut next = |x: Tensor<4>| match layers.next() {
-            Some((conv, weights)) => convolved(conv, weights, x),
-            None => x,
-        };
-        let mut sizes = vec![reference.clone()];
+    /// The network for a window, whose sizes are multiples of [`Architecture::ALIGN_PX`]: from the reference image, sRGB 0 to 1, 0 outside the paint,
+    /// channel by channel, to TF. `weights` fit ([`LayerShapes::fits`]).
+    pub(super) fn network(&self, weights: &[Vec<f32>], window: PaintWindow) -> Network {
+        let (network, reference) = Network::new(3, [window.height, window.width], By::Weights);
+        let layers = self.convs.iter().zip(weights.chunks_exact(2));
+        let mut next = Layers { network, layers };
+        let mut sizes = vec![reference];
         let mut x = reference;
         for _ in 0..self.architecture.halvings() {
-            x = relu(next(x));
-            let grown = relu(next(x.clone()));
+            x = next.opened(x);
+            let grown = next.opened(x);
             x = match self.architecture.encoder {
-                Encoder::ConvNet => relu(next(grown)),
-                Encoder::ResNet => relu(x + next(grown)),
+                Encoder::ConvNet => next.opened(grown),
+                Encoder::ResNet => {
+                    let added = next.convolved(grown);
+                    let sum = next.network.sum(x, added);
+                    next.network.relu(sum)
+                }
                 Encoder::DenseNet => {
-                    let x = Tensor::cat(vec![x, grown], 1);
-                    let grown = relu(next(x.clone()));
-                    relu(next(Tensor::cat(vec![x, grown], 1)))
+                    let x = next.network.joined(x, grown);
+                    let grown = next.opened(x);
+                    let x = next.network.joined(x, grown);
+                    next.opened(x)
                 }
             };
-            sizes.push(x.clone());
+            sizes.push(x);
         }
         sizes.pop();
-        for _ in 0..self.architecture.halvings() {
-            let all = std::iter::once(doubled(x)).chain(sizes.pop()).collect();
-            x = relu(next(Tensor::cat(all, 1)));
+        while let Some(beside) = sizes.pop() {
+            let doubled = next.network.doubled(x);
+            let both = next.network.joined(doubled, beside);
+            x = next.opened(both);
         }
-        next(x)
+        next.convolved(x);
+        next.network
     }
 }
 
-/// Weights as tensors; lists of another length than their shapes give `None`.
-pub(super) fn tensors(lists: &[Vec<f32>], shapes: &[[usize; 4]], device: &Device) -> Option<Vec<Tensor<4>>> {
-    let tensor =
-        |(list, shape): (&Vec<f32>, &[usize; 4])| Tensor::from_data(TensorData::new(list.clone(), *shape), device);
-    fits(lists, shapes).then(|| lists.iter().zip(shapes).map(tensor).collect())
+/// A network, and the convolutions that are not in it yet.
+struct Layers<I> {
+    network: Network,
+    layers: I,
 }
 
-pub(super) fn fits(lists: &[Vec<f32>], shapes: &[[usize; 4]]) -> bool {
-    let lengths = shapes.iter().map(|shape| shape.iter().product::<usize>());
-    lists.iter().map(Vec::len).eq(lengths)
-}
+impl<'a, I: Iterator<Item = (&'a Conv, &'a [Vec<f32>])>> Layers<I> {
+    /// x through the next convolution.
+    fn convolved(&mut self, x: Output) -> Output {
+        let Some((conv, weights)) = self.layers.next() else {
+            return x;
+        };
+        let kernel = Kernel {
+            size: [conv.kernel; 2],
+            stride: conv.stride,
+            padding: conv.kernel / 2,
+        };
+        self.network.convolution(x, kernel, [&weights[0], &weights[1]])
+    }
 
-pub(super) fn values(tensor: Tensor<4>) -> Result<Vec<f32>, DtnError> {
-    tensor.try_into_vec_as().map_err(|e| DtnError::Tensor(format!("{e:?}")))
-}
-
-/// `weights`: kernel and bias.
-fn convolved(conv: &Conv, weights: &[Tensor<4>], x: Tensor<4>) -> Tensor<4> {
-    let (kernel, bias) = (weights[0].clone(), weights[1].clone());
-    let pad = conv.kernel / 2;
-    let options = ConvOptions::new([conv.stride; 2], [pad; 2], [1; 2], 1);
-    conv2d(x, kernel, Some(bias.reshape([conv.outs])), options)
-}
-
-/// Each pixel four times.
-fn doubled(x: Tensor<4>) -> Tensor<4> {
-    let [batch, channels, height, width] = x.dims();
-    x.reshape([batch, channels, height, 1, width, 1])
-        .expand([batch, channels, height, 2, width, 2])
-        .reshape([batch, channels, 2 * height, 2 * width])
+    /// And through a ReLU.
+    fn opened(&mut self, x: Output) -> Output {
+        let x = self.convolved(x);
+        self.network.relu(x)
+    }
 }

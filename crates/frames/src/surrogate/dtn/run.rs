@@ -42,16 +42,16 @@ pub fn train(
         let loss = trainer.step(set)?;
         trainer.seconds += start.elapsed().as_secs_f64();
         if trainer.steps.is_multiple_of(VALIDATE_EVERY) {
-            trainer.validate(set)?;
+            trainer.validate(set);
         }
         on_step(trainer, loss);
         if trainer.seconds - saved_at > SAVE_EVERY_SECONDS {
             saved_at = trainer.seconds;
-            file::save(&trainer.state()?, path)?;
+            file::save(trainer, path)?;
         }
     }
     if trainer.history.last().is_none_or(|last| last.step != trainer.steps) {
-        trainer.validate(set)?;
+        trainer.validate(set);
     }
-    file::save(&trainer.state()?, path)
+    file::save(trainer, path)
 }

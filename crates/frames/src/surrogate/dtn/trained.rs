@@ -1,12 +1,11 @@
 //! A trained network as a surrogate renderer of one view.
 
-use burn::tensor::{Device, Tensor, TensorData};
 use image::RgbImage;
 
+use super::Transformer;
 use super::data::{PaintPixels, PaintWindow};
-use super::network::{Architecture, LayerShapes, values};
+use super::network::{Architecture, LayerShapes};
 use super::transformer::Maps;
-use super::{DtnError, Transformer};
 use crate::frames::{Coverage, light};
 use crate::surrogate::renderer::{NeuralRenderer, Renderer};
 
@@ -17,32 +16,27 @@ pub struct DtnNetwork {
     pub references: Vec<[u8; 3]>,
     /// Time spent on its training.
     pub training_seconds: f64,
-    pub(super) layout: LayerShapes,
-    pub(super) weights: Vec<Tensor<4>>,
-    pub(super) device: Device,
+    pub(super) weights: Vec<Vec<f32>>,
 }
 
 impl DtnNetwork {
     /// TF of each paint pixel, `channels` values each, from the sRGB of those pixels in the reference image.
-    pub(super) fn maps(&self, paint: &PaintPixels, reference: &[[f32; 3]]) -> Result<Vec<f32>, DtnError> {
+    pub(super) fn maps(&self, paint: &PaintPixels, reference: &[[f32; 3]]) -> Vec<f32> {
         let window = PaintWindow::around(&[paint]);
         let mut input = vec![0.0; 3 * window.pixels()];
         let at = window.middle(paint);
         window.fill(&mut input, paint, at, reference);
-        let shape = [1, 3, window.height, window.width];
-        let input = Tensor::<4>::from_data(TensorData::new(input, shape), &self.device);
-        let maps = values(self.layout.forward(&self.weights, input))?;
+        let maps = LayerShapes::new(self.architecture)
+            .network(&self.weights, window)
+            .output(input);
         let channels = self.architecture.transformer.channels();
         let (maps, pixels) = (&maps, window.pixels());
         let of_pixel = |place: usize| (0..channels).map(move |c| maps[c * pixels + place]);
-        Ok(window.places(paint, at).flat_map(of_pixel).collect())
+        window.places(paint, at).flat_map(of_pixel).collect()
     }
 
     /// The surrogate renderer of a view, from its image in a reference colour.
-    ///
-    /// # Errors
-    /// Only if the tensors cannot be computed.
-    pub fn view(&self, reference: &RgbImage, mask: &Coverage) -> Result<DtnView, DtnError> {
+    pub fn view(&self, reference: &RgbImage, mask: &Coverage) -> DtnView {
         let paint = PaintPixels::covered(mask);
         let image: Vec<[f64; 3]> = reference.pixels().map(|p| p.0.map(|v| f64::from(v) / 255.0)).collect();
         let number = |[x, y]: &[u32; 2]| (y * mask.width() + x) as usize;
@@ -51,14 +45,14 @@ impl DtnNetwork {
         let maps = if index.is_empty() {
             Vec::new()
         } else {
-            self.maps(&paint, &seen)?
+            self.maps(&paint, &seen)
         };
-        Ok(DtnView {
+        DtnView {
             transformer: self.architecture.transformer,
             image,
             index,
             maps,
-        })
+        }
     }
 }
 
@@ -76,8 +70,7 @@ impl NeuralRenderer for DtnNetwork {
     }
 
     fn of_view(&self, reference: &RgbImage, mask: &Coverage) -> Result<Box<dyn Renderer>, String> {
-        let view = self.view(reference, mask).map_err(|e| e.to_string())?;
-        Ok(Box::new(view))
+        Ok(Box::new(self.view(reference, mask)))
     }
 }
 

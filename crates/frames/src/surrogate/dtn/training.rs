@@ -9,20 +9,22 @@
 
 use std::path::Path;
 
-use burn::optim::{Adam, AdamConfig, AdamState, AdaptiveMomentumState, Optimizer};
-use burn::tensor::{Device, Tensor, TensorData};
 use rand::seq::SliceRandom;
 use rand::{Rng, RngExt};
 use rand_pcg::Pcg32;
 use serde::{Deserialize, Serialize};
 
 use super::data::{CropPlacement, NewLight, PaintWindow, TrainingSet, TrainingView};
-use super::network::{LayerShapes, fits, tensors, values};
+use super::network::LayerShapes;
 use super::trained::DtnNetwork;
 use super::{Architecture, DtnError, Transformer};
 use crate::frames::{light, require};
+use scaleproof_gradients::adam::Adam;
 
-const LEARNING_RATE: f64 = 1e-3;
+const ADAM: Adam = Adam {
+    learning_rate: 1e-3,
+    epsilon: 1e-7,
+};
 const BATCH_VIEWS: usize = 8;
 const COLOURS_A_VIEW: usize = 4;
 /// What a mean of weights keeps of itself in a step, once it has seen enough.
@@ -56,10 +58,10 @@ pub struct TrainingProgress {
     pub validation_mse: Option<f64>,
 }
 
-/// Training that can be saved.
+/// Training under way, as it is saved.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct TrainingState {
-    pub plan: TrainingPlan,
+pub struct Trainer {
+    plan: TrainingPlan,
     pub steps: u64,
     pub seconds: f64,
     pub history: Vec<TrainingProgress>,
@@ -70,21 +72,6 @@ pub struct TrainingState {
     mean: Vec<Vec<f32>>,
     /// Adam's two moments of each list of weights; none before the first step.
     moments: Vec<(Vec<f32>, Vec<f32>)>,
-}
-
-/// Training under way.
-pub struct Trainer {
-    plan: TrainingPlan,
-    pub steps: u64,
-    pub seconds: f64,
-    pub history: Vec<TrainingProgress>,
-    losses: (f64, u64),
-    layout: LayerShapes,
-    weights: Vec<Tensor<4>>,
-    mean: Vec<Tensor<4>>,
-    moments: Vec<Option<AdamState<4>>>,
-    adam: Adam,
-    device: Device,
 }
 
 struct Sample<'a> {
@@ -115,26 +102,21 @@ impl TrainingPlan {
 
 impl Trainer {
     /// Begins, or resumes what `path` holds.
-    pub fn begin(
-        plan: TrainingPlan,
-        known: Option<TrainingState>,
-        path: &Path,
-        device: Device,
-    ) -> Result<Self, DtnError> {
+    pub fn begin(plan: TrainingPlan, known: Option<Self>, path: &Path) -> Result<Self, DtnError> {
         match known {
-            None => Self::new(plan, device),
-            Some(state) if state.plan == plan => Self::go_on(state, device),
-            Some(state) => Err(DtnError::OtherTraining {
+            None => Ok(Self::new(plan)),
+            Some(known) if known.plan == plan => Ok(known),
+            Some(known) => Err(DtnError::OtherTraining {
                 path: path.to_owned(),
-                found: state.plan.differences(&plan),
-                asked: plan.differences(&state.plan),
+                found: known.plan.differences(&plan),
+                asked: plan.differences(&known.plan),
             }),
         }
     }
 
-    pub fn new(plan: TrainingPlan, device: Device) -> Result<Self, DtnError> {
+    pub fn new(plan: TrainingPlan) -> Self {
         let first = LayerShapes::new(plan.architecture).first_weights(plan.seed, &plan.references);
-        let state = TrainingState {
+        Self {
             plan,
             steps: 0,
             seconds: 0.0,
@@ -143,60 +125,31 @@ impl Trainer {
             mean: first.clone(),
             weights: first,
             moments: Vec::new(),
-        };
-        Self::go_on(state, device)
+        }
     }
 
-    pub fn go_on(state: TrainingState, device: Device) -> Result<Self, DtnError> {
-        let layout = LayerShapes::new(state.plan.architecture);
-        let shapes = layout.shapes();
-        let broken = || DtnError::Tensor("its weights do not fit its architecture".to_owned());
-        let load = |lists: &[Vec<f32>]| tensors(lists, &shapes, &device).ok_or_else(broken);
-        let moments = if state.moments.is_empty() {
-            shapes.iter().map(|_| None).collect()
-        } else {
-            let (first, second): (Vec<Vec<f32>>, Vec<Vec<f32>>) = state.moments.into_iter().unzip();
-            let both = load(&first)?.into_iter().zip(load(&second)?);
-            both.map(|(m, v)| Some(AdamState::new(AdaptiveMomentumState::new(state.steps as usize, m, v))))
-                .collect()
-        };
-        Ok(Self {
-            weights: load(&state.weights)?,
-            mean: load(&state.mean)?,
-            moments,
-            layout,
-            plan: state.plan,
-            steps: state.steps,
-            seconds: state.seconds,
-            history: state.history,
-            losses: state.losses,
-            adam: AdamConfig::new().with_epsilon(1e-7).build(),
-            device,
-        })
+    /// Whether there is a network in it: its weights are those of its architecture.
+    pub(super) fn is_whole(&self) -> bool {
+        if !self.plan.architecture.is_possible() || self.plan.references.is_empty() {
+            return false;
+        }
+        let layout = LayerShapes::new(self.plan.architecture);
+        let first = self.moments.iter().map(|(first, _)| first);
+        let second = self.moments.iter().map(|(_, second)| second);
+        let fits = layout.fits(&self.weights) && layout.fits(&self.mean);
+        fits && (self.moments.is_empty() || layout.fits(first) && layout.fits(second))
     }
 
-    pub fn state(&self) -> Result<TrainingState, DtnError> {
-        let lists = |tensors: &[Tensor<4>]| tensors.iter().map(|t| self.list(t)).collect::<Result<Vec<_>, _>>();
-        let moments = self.moments.iter().flatten();
-        Ok(TrainingState {
-            plan: self.plan.clone(),
-            steps: self.steps,
-            seconds: self.seconds,
-            history: self.history.clone(),
-            losses: self.losses,
-            weights: lists(&self.weights)?,
-            mean: lists(&self.mean)?,
-            moments: moments
-                .map(|s| Ok((self.list(&s.momentum.moment_1)?, self.list(&s.momentum.moment_2)?)))
-                .collect::<Result<_, DtnError>>()?,
-        })
+    /// # Errors
+    /// Weights that are no numbers any more.
+    pub(super) fn check_numbers(&self) -> Result<(), DtnError> {
+        let moments = self.moments.iter().flat_map(|(first, second)| [first, second]);
+        let mut numbers = self.weights.iter().chain(&self.mean).chain(moments).flatten();
+        require(numbers.all(|v| v.is_finite()), || self.broken_down())
     }
 
-    fn list(&self, tensor: &Tensor<4>) -> Result<Vec<f32>, DtnError> {
-        let list = values(tensor.clone())?;
-        let is_finite = list.iter().all(|v| v.is_finite());
-        require(is_finite, || DtnError::NotFinite { step: self.steps })?;
-        Ok(list)
+    fn broken_down(&self) -> DtnError {
+        DtnError::NotFinite { step: self.steps }
     }
 
     /// Steps that see every training view once.
@@ -207,39 +160,39 @@ impl Trainer {
     /// One step; returns its loss.
     pub fn step(&mut self, set: &TrainingSet) -> Result<f64, DtnError> {
         let (window, batch) = self.batch(set);
-        let pixels = window.pixels();
-        let mut input = vec![0.0; 3 * pixels * batch.len()];
-        for (sample, part) in batch.iter().zip(input.chunks_exact_mut(3 * pixels)) {
-            window.fill(part, &sample.view.paint, sample.placement, &sample.reference);
-        }
-        let shape = [batch.len(), 3, window.height, window.width];
-        let autodiff = self.device.clone().autodiff();
-        let input = Tensor::<4>::from_data(TensorData::new(input, shape), &autodiff);
-        let leaf = |weight: &Tensor<4>| weight.clone().autodiff().require_grad();
-        let leaves: Vec<Tensor<4>> = self.weights.iter().map(leaf).collect();
-        let maps = self.layout.forward(&leaves, input);
-        let known = values(maps.clone().inner())?;
-        let transformer = self.plan.architecture.transformer;
-        let (loss, map_gradients) = loss(transformer, &batch, window, &known);
-        // A ReLU makes 0 of what is no number, so the loss alone does not tell.
-        let is_finite = loss.is_finite() && known.iter().all(|v| v.is_finite());
-        require(is_finite, || DtnError::NotFinite { step: self.steps })?;
-        // The formula's derivatives are closed forms; from TF on, the framework computes the backward pass.
-        let map_gradients = Tensor::<4>::from_data(TensorData::new(map_gradients, maps.dims()), &autodiff);
-        let mut gradients = (maps * map_gradients).sum().backward();
-        let keeps = MEAN_KEEPS.min((1.0 + self.steps as f64) / (10.0 + self.steps as f64));
-        for (i, leaf) in leaves.iter().enumerate() {
-            let Some(gradient) = leaf.grad_remove(&mut gradients) else {
-                continue;
-            };
-            let (weight, moments) = (self.weights[i].clone(), self.moments[i].take());
-            let (weight, state) = self.adam.step(LEARNING_RATE, weight, gradient, moments);
-            self.mean[i] = self.mean[i].clone().mul_scalar(keeps) + weight.clone().mul_scalar(1.0 - keeps);
-            (self.weights[i], self.moments[i]) = (weight, state);
-        }
-        self.steps += 1;
+        let image = |sample: &Sample| {
+            let mut image = vec![0.0; 3 * window.pixels()];
+            window.fill(&mut image, &sample.view.paint, sample.placement, &sample.reference);
+            image
+        };
+        let share = 1.0 / batch.len() as f64;
+        let loss =
+            |sample: &Sample, maps: &[f32]| loss(self.plan.architecture.transformer, (sample, share), window, maps);
+        let network = LayerShapes::new(self.plan.architecture).network(&self.weights, window);
+        let (loss, gradients) = network.loss_and_derivatives(&batch, image, loss);
+        require(loss.is_finite(), || self.broken_down())?;
+        self.move_weights(&gradients);
         self.losses = (self.losses.0 + loss, self.losses.1 + 1);
         Ok(loss)
+    }
+
+    /// One step of Adam, and of the mean.
+    fn move_weights(&mut self, gradients: &[Vec<f32>]) {
+        if self.moments.is_empty() {
+            let zeros = |list: &Vec<f32>| (vec![0.0; list.len()], vec![0.0; list.len()]);
+            self.moments = self.weights.iter().map(zeros).collect();
+        }
+        let keeps = MEAN_KEEPS.min((1.0 + self.steps as f64) / (10.0 + self.steps as f64));
+        let [keeps, takes] = [keeps, 1.0 - keeps].map(|share| share as f32);
+        self.steps += 1;
+        let step = i32::try_from(self.steps).unwrap_or(i32::MAX);
+        let lists = self.weights.iter_mut().zip(&mut self.mean).zip(&mut self.moments);
+        for (((weights, mean), (first, second)), gradient) in lists.zip(gradients) {
+            ADAM.step(step, weights, gradient, [first, second]);
+            for (mean, weight) in mean.iter_mut().zip(weights) {
+                *mean = *mean * keeps + *weight * takes;
+            }
+        }
     }
 
     /// The views of this step: those of an epoch in random order, every one once, in batches of like size, so that a window is no larger than
@@ -282,22 +235,19 @@ impl Trainer {
     }
 
     /// Measures the network as it stands and adds to the history.
-    ///
-    /// # Errors
-    /// Only if the tensors cannot be computed.
-    pub fn validate(&mut self, set: &TrainingSet) -> Result<TrainingProgress, DtnError> {
+    pub fn validate(&mut self, set: &TrainingSet) -> TrainingProgress {
         let (sum, count) = std::mem::take(&mut self.losses);
         let progress = TrainingProgress {
             step: self.steps,
             seconds: self.seconds,
             loss: sum / count.max(1) as f64,
-            validation_mse: self.validation_mse(set)?,
+            validation_mse: self.validation_mse(set),
         };
         self.history.push(progress);
-        Ok(progress)
+        progress
     }
 
-    fn validation_mse(&self, set: &TrainingSet) -> Result<Option<f64>, DtnError> {
+    fn validation_mse(&self, set: &TrainingSet) -> Option<f64> {
         let network = self.network();
         let transformer = self.plan.architecture.transformer;
         let (mut sum, mut count) = (0.0, 0);
@@ -305,7 +255,7 @@ impl Trainer {
             let Some(reference) = view.image(self.plan.references[0], &NewLight::NONE) else {
                 continue;
             };
-            let maps = network.maps(&view.paint, &reference)?;
+            let maps = network.maps(&view.paint, &reference);
             for rgb in view.validation_colours(set) {
                 let Some(truth) = view.image(rgb, &NewLight::NONE) else {
                     continue;
@@ -322,7 +272,7 @@ impl Trainer {
                 count += 1;
             }
         }
-        Ok((count > 0).then(|| sum / f64::from(count)))
+        (count > 0).then(|| sum / f64::from(count))
     }
 
     /// The network as it stands: the running mean of its weights.
@@ -331,52 +281,38 @@ impl Trainer {
             architecture: self.plan.architecture,
             references: self.plan.references.clone(),
             training_seconds: self.seconds,
-            layout: self.layout.clone(),
             weights: self.mean.clone(),
-            device: self.device.clone(),
         }
     }
 }
 
-impl TrainingState {
-    /// Whether there is a network in it: its weights are those of its architecture.
-    pub(super) fn is_whole(&self) -> bool {
-        if !self.plan.architecture.is_possible() || self.plan.references.is_empty() {
-            return false;
-        }
-        let shapes = LayerShapes::new(self.plan.architecture).shapes();
-        fits(&self.weights, &shapes) && fits(&self.mean, &shapes)
-    }
-
-    /// The trained network.
-    pub fn network(self, device: Device) -> Result<DtnNetwork, DtnError> {
-        Ok(Trainer::go_on(self, device)?.network())
-    }
-}
-
-/// The mean cross-entropy over images, each the mean over its paint's pixels and channels; and how it depends on TF.
-fn loss(transformer: Transformer, batch: &[Sample], window: PaintWindow, maps: &[f32]) -> (f64, Vec<f32>) {
-    let (pixels, channels) = (window.pixels(), transformer.channels());
+/// The mean cross-entropy over an image's targets, each the mean over its paint's pixels and channels, by its share in the batch; and how it depends
+/// on TF. NaN where a number of TF is none: cut between 0 and 1, it would not show.
+fn loss(
+    transformer: Transformer,
+    (sample, share): (&Sample, f64),
+    window: PaintWindow,
+    maps: &[f32],
+) -> (f64, Vec<f32>) {
+    let pixels = window.pixels();
     let mut map_gradients = vec![0.0; maps.len()];
+    if !maps.iter().all(|v| v.is_finite()) {
+        return (f64::NAN, map_gradients);
+    }
     let mut sum = 0.0;
-    let parts = map_gradients.chunks_exact_mut(channels * pixels);
-    let parts = maps.chunks_exact(channels * pixels).zip(parts);
-    for (sample, (maps, map_gradients)) in batch.iter().zip(parts) {
-        let images = sample.targets.len() * batch.len();
-        let share = 1.0 / (3 * sample.view.paint.at.len() * images) as f64;
-        for (rgb, truth) in &sample.targets {
-            for (place, truth) in window.places(&sample.view.paint, sample.placement).zip(truth) {
-                for channel in 0..3 {
-                    let eta = f64::from(rgb[channel]) / 255.0;
-                    let found = transformer.maps(channel, |i| f64::from(maps[i * pixels + place]));
-                    let x = transformer.value(found, eta);
-                    let target = f64::from(truth[channel]);
-                    sum += share * cross_entropy(x, target);
-                    let cotangent = share * cross_entropy_derivative(x, target);
-                    transformer.spread(channel, transformer.vjp(found, eta, cotangent), |i, v| {
-                        map_gradients[i * pixels + place] += v as f32;
-                    });
-                }
+    let share = share / (3 * sample.view.paint.at.len() * sample.targets.len()) as f64;
+    for (rgb, truth) in &sample.targets {
+        for (place, truth) in window.places(&sample.view.paint, sample.placement).zip(truth) {
+            for channel in 0..3 {
+                let eta = f64::from(rgb[channel]) / 255.0;
+                let found = transformer.maps(channel, |i| f64::from(maps[i * pixels + place]));
+                let x = transformer.value(found, eta);
+                let target = f64::from(truth[channel]);
+                sum += share * cross_entropy(x, target);
+                let cotangent = share * cross_entropy_derivative(x, target);
+                transformer.spread(channel, transformer.vjp(found, eta, cotangent), |i, v| {
+                    map_gradients[i * pixels + place] += v as f32;
+                });
             }
         }
     }

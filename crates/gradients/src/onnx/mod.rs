@@ -1,0 +1,171 @@
+//! ONNX files as differentiable networks.
+//!
+//! Each node of a file becomes one of our own operators (`operator`), one file a group, and these become layers on plain arrays (`graph`). All
+//! shapes are fixed when a file is opened, for one image: what does not depend on the image is then a constant. Weights carry no gradient.
+
+mod arithmetic;
+mod choice;
+mod combine;
+mod convolution;
+mod elementwise;
+mod graph;
+mod logits;
+mod operator;
+mod read;
+mod rearrange;
+mod resize;
+mod run;
+mod shapes;
+mod term;
+mod view;
+
+use run::{Plan, Tape};
+use scaleproof_detect::onnx_model::Model;
+use term::{Held, NEVER_COMPUTED, Numbers, Term};
+
+use crate::layers::Number;
+use crate::{NetworkFault, WhiteBoxError};
+
+/// Computes in 32 bits, or in 64 to see what rounding does.
+pub struct OnnxNetwork<T = f32> {
+    file: String,
+    plan: Plan<T>,
+    outputs: Vec<NamedOutput<T>>,
+    count: usize,
+}
+
+struct NamedOutput<T> {
+    name: String,
+    term: Term<T>,
+    /// As long as the output's numbers, or nothing where none is a logit.
+    is_logit: Vec<bool>,
+}
+
+/// One output tensor, row-major.
+#[derive(Debug, Clone)]
+pub struct Output {
+    pub name: String,
+    pub shape: Vec<usize>,
+    /// Where [`Output::is_logit`] says so, the logit of the sigmoid that the file ends in.
+    pub raw: Vec<f32>,
+    pub is_logit: Vec<bool>,
+    pub is_whole: bool,
+}
+
+impl Output {
+    fn new<T: Number>(output: &NamedOutput<T>, numbers: &Numbers<T>) -> Output {
+        let raw: Vec<f32> = match numbers {
+            Numbers::Floats(v) => v.iter().map(|v| v.wide() as f32).collect(),
+            Numbers::Whole(v) => v.iter().map(|v| *v as f32).collect(),
+        };
+        let mut is_logit = output.is_logit.clone();
+        is_logit.resize(raw.len(), false);
+        Output {
+            name: output.name.clone(),
+            shape: output.term.shape.clone(),
+            raw,
+            is_logit,
+            is_whole: output.term.is_whole(),
+        }
+    }
+
+    pub fn values(&self) -> Vec<f32> {
+        let both = self.raw.iter().zip(&self.is_logit);
+        both.map(|(raw, is_logit)| if *is_logit { 1.0 / (1.0 + (-raw).exp()) } else { *raw })
+            .collect()
+    }
+}
+
+/// The outputs for one image, with the backward pass from them.
+pub struct NetworkPass<'a, T = f32> {
+    pub outputs: Vec<Output>,
+    network: &'a OnnxNetwork<T>,
+    tape: Tape<'a, T>,
+}
+
+impl OnnxNetwork {
+    /// Reads an ONNX file's bytes for images of this shape, such as [1, 3, 416, 416]; `file` is only named in errors. `photo_size`
+    /// is for a network whose second input is the photo's width and height.
+    pub fn read(
+        bytes: &[u8],
+        file: &str,
+        shape: &[usize],
+        photo_size: Option<[u32; 2]>,
+    ) -> Result<Self, WhiteBoxError> {
+        OnnxNetwork::read_as(bytes, file, shape, photo_size)
+    }
+}
+
+impl<T: Number> OnnxNetwork<T> {
+    /// [`OnnxNetwork::read`], for a network that computes in 32 or in 64 bits.
+    pub fn read_as(
+        bytes: &[u8],
+        file: &str,
+        shape: &[usize],
+        photo_size: Option<[u32; 2]>,
+    ) -> Result<Self, WhiteBoxError> {
+        let refused = |reason: NetworkFault| {
+            let file = file.to_owned();
+            WhiteBoxError::OnnxNetwork { file, reason }
+        };
+        let model = Model::read(bytes).map_err(|fault| refused(NetworkFault::Unreadable(fault.to_string())))?;
+        let operators = read::operators(&model, file)?;
+        let (mut graph, mut terms) = read::graph(&model, &operators, shape, photo_size).map_err(refused)?;
+        let logits = logits::expose_logits(&mut graph, &mut terms);
+        let read = terms.iter().filter_map(Term::slot);
+        let outputs = model.outputs.iter().zip(&terms).zip(logits);
+        Ok(OnnxNetwork {
+            file: file.to_owned(),
+            outputs: outputs
+                .map(|((name, term), is_logit)| NamedOutput {
+                    name: name.clone(),
+                    term: term.clone(),
+                    is_logit,
+                })
+                .collect(),
+            count: graph.counts[0],
+            plan: Plan::new(graph.steps, graph.constants, graph.counts.len(), read),
+        })
+    }
+
+    /// The outputs for an image's numbers, row-major. With `keeps_way` what [`NetworkPass::vjp`] needs stays in memory.
+    pub fn forward(&self, image: Vec<f32>, keeps_way: bool) -> Result<NetworkPass<'_, T>, WhiteBoxError> {
+        let failed = |reason: NetworkFault| {
+            let file = self.file.clone();
+            WhiteBoxError::Run { file, reason }
+        };
+        if image.len() != self.count {
+            return Err(failed(NetworkFault::Count("numbers", self.count, image.len())));
+        }
+        let image = image.into_iter().map(|v| T::of(v.into())).collect();
+        let (held, tape) = self.plan.run(image, keeps_way).map_err(failed)?;
+        let output = |output: &NamedOutput<T>| -> Result<Output, WhiteBoxError> {
+            let numbers = match &output.term.held {
+                Held::Constant(numbers) => Some(numbers),
+                Held::Image(slot, _) => held[*slot].as_ref(),
+            };
+            let numbers = numbers.ok_or(NetworkFault::Malformed(NEVER_COMPUTED));
+            Ok(Output::new(output, numbers.map_err(failed)?))
+        };
+        Ok(NetworkPass {
+            outputs: self.outputs.iter().map(output).collect::<Result<_, _>>()?,
+            network: self,
+            tape,
+        })
+    }
+}
+
+impl<T: Number> NetworkPass<'_, T> {
+    /// The derivative of `Σ derivative · raw` with respect to the image's numbers: one derivative for each number of each output.
+    pub fn vjp(self, derivatives: Vec<Vec<f32>>) -> Vec<f32> {
+        let outputs = self.network.outputs.iter().zip(derivatives);
+        let followed = outputs.filter_map(|(output, derivative)| {
+            let numbers = derivative.into_iter().map(|d| T::of(d.into())).collect();
+            Some((output.term.slot()?, numbers))
+        });
+        match self.network.plan.back(self.tape, followed) {
+            Some(gradient) => gradient.into_iter().map(|g| g.wide() as f32).collect(),
+            None => vec![0.0; self.network.count],
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! What operators are given, and what they answer with. One file per group of operators makes them.
+
+use super::graph::Graph;
+use super::term::{Numbers, Result, Term};
+use crate::NetworkFault;
+use crate::layers::Number;
+use scaleproof_detect::onnx_model::Node;
+
+/// Adds an operator's steps to a graph and answers with its outputs, in ONNX's order.
+pub(super) type Operator<'a, T> = Box<dyn Fn(&mut Graph<T>, &Inputs<T>) -> Result<Vec<Term<T>>> + 'a>;
+
+/// An operator with several outputs.
+pub(super) fn several<'a, T>(
+    work: impl Fn(&mut Graph<T>, &Inputs<T>) -> Result<Vec<Term<T>>> + 'a,
+) -> Option<Operator<'a, T>> {
+    Some(Box::new(work))
+}
+
+/// An operator with one output.
+pub(super) fn one<'a, T: 'a>(
+    work: impl Fn(&mut Graph<T>, &Inputs<T>) -> Result<Term<T>> + 'a,
+) -> Option<Operator<'a, T>> {
+    several(move |graph, inputs| Ok(vec![work(graph, inputs)?]))
+}
+
+/// Those left out are `None`.
+pub(super) struct Inputs<T>(pub Vec<Option<Term<T>>>);
+
+impl<T: Number> Inputs<T> {
+    /// How many there are, those left out at the end not counted.
+    pub(super) fn count(&self) -> usize {
+        self.0.iter().rposition(Option::is_some).map_or(0, |last| last + 1)
+    }
+
+    pub(super) fn optional(&self, i: usize) -> Option<&Term<T>> {
+        self.0.get(i)?.as_ref()
+    }
+
+    pub(super) fn term(&self, i: usize) -> Result<&Term<T>> {
+        self.optional(i).ok_or(NetworkFault::MissingInput(i))
+    }
+
+    pub(super) fn floats(&self, i: usize) -> Result<&Term<T>> {
+        self.optional_floats(i)?.ok_or(NetworkFault::MissingInput(i))
+    }
+
+    pub(super) fn optional_floats(&self, i: usize) -> Result<Option<&Term<T>>> {
+        match self.optional(i) {
+            Some(term) if term.is_whole() => Err(NetworkFault::WholeInput(i)),
+            other => Ok(other),
+        }
+    }
+
+    /// Fractions with four axes.
+    pub(super) fn planes(&self, i: usize) -> Result<(&Term<T>, [usize; 4])> {
+        let term = self.floats(i)?;
+        let sides = term.shape.clone().try_into();
+        Ok((term, sides.map_err(|shape| NetworkFault::Rank(shape, 4))?))
+    }
+
+    pub(super) fn whole(&self, i: usize) -> Result<&Term<T>> {
+        let term = self.term(i)?;
+        if term.is_whole() {
+            Ok(term)
+        } else {
+            Err(NetworkFault::FractionInput(i))
+        }
+    }
+
+    /// Whole numbers that are the same for every image.
+    pub(super) fn known(&self, i: usize) -> Result<&[i64]> {
+        match self.whole(i)?.constant() {
+            Some(Numbers::Whole(v)) => Ok(v),
+            _ => Err("what it is to do depends on what is in the image".into()),
+        }
+    }
+
+    /// Fractions that are the same for every image.
+    pub(super) fn known_floats(&self, i: usize) -> Result<&[T]> {
+        let found = self.floats(i)?.constant_floats();
+        let found = found.ok_or(NetworkFault::Malformed(
+            "what it is to do depends on what is in the image",
+        ))?;
+        Ok(found)
+    }
+
+    /// A setting that older files state and newer ones compute; `None` where it is left out.
+    pub(super) fn setting<'s>(&'s self, node: &'s Node, name: &str, i: usize) -> Result<Option<&'s [i64]>> {
+        match (node.ints(name), self.optional(i)) {
+            (Some(stated), _) => Ok(Some(stated)),
+            (None, Some(_)) => self.known(i).map(Some),
+            (None, None) => Ok(None),
+        }
+    }
+}

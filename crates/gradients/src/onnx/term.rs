@@ -1,0 +1,181 @@
+//! What flows along the edges of a network while it is read: numbers, and what will follow from an image.
+
+use std::sync::Arc;
+
+use super::run::Slot;
+use crate::NetworkFault;
+use crate::layers::{Array, Number};
+use scaleproof_detect::onnx_model;
+
+pub(super) type Result<T> = std::result::Result<T, NetworkFault>;
+
+/// Row-major; truth values are 0 and 1.
+#[derive(Debug, Clone)]
+pub(super) enum Numbers<T> {
+    Floats(Array<T>),
+    Whole(Array<i64>),
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Term<T> {
+    pub shape: Vec<usize>,
+    pub held: Held<T>,
+}
+
+#[derive(Debug, Clone)]
+pub(super) enum Held<T> {
+    Constant(Numbers<T>),
+    /// Follows from the image.
+    Image(Slot, Kind),
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Fractions that a gradient passes.
+    Followed,
+    /// Fractions made of whole numbers alone.
+    Free,
+    Whole,
+}
+
+impl<T: Number> Numbers<T> {
+    pub(super) fn count(&self) -> usize {
+        match self {
+            Numbers::Floats(v) => v.len(),
+            Numbers::Whole(v) => v.len(),
+        }
+    }
+
+    pub(super) fn whole(&self) -> Result<&[i64]> {
+        match self {
+            Numbers::Whole(v) => Ok(v),
+            Numbers::Floats(_) => Err(NEVER_COMPUTED.into()),
+        }
+    }
+
+    pub(super) fn floats(self) -> Result<Array<T>> {
+        match self {
+            Numbers::Floats(v) => Ok(v),
+            Numbers::Whole(_) => Err(NEVER_COMPUTED.into()),
+        }
+    }
+}
+
+pub(super) const NEVER_COMPUTED: &str = "a value is never computed";
+
+impl<T: Number> Term<T> {
+    pub(super) fn floats(shape: Vec<usize>, numbers: Vec<T>) -> Term<T> {
+        let held = Held::Constant(Numbers::Floats(Arc::new(numbers)));
+        Term { shape, held }
+    }
+
+    pub(super) fn whole(shape: Vec<usize>, numbers: Vec<i64>) -> Term<T> {
+        let held = Held::Constant(Numbers::Whole(Arc::new(numbers)));
+        Term { shape, held }
+    }
+
+    /// A single fraction.
+    pub(super) fn number(v: f64) -> Term<T> {
+        Term::floats(Vec::new(), vec![T::of(v)])
+    }
+
+    pub(super) fn of_file(tensor: &onnx_model::Tensor) -> Term<T> {
+        let shape = tensor.shape.clone();
+        match &tensor.numbers {
+            onnx_model::Numbers::Floats(v) => Term::floats(shape, v.iter().map(|v| T::of((*v).into())).collect()),
+            onnx_model::Numbers::Whole(v) => Term::whole(shape, v.clone()),
+        }
+    }
+
+    /// The same numbers in another shape.
+    pub(super) fn shaped(&self, shape: Vec<usize>) -> Result<Term<T>> {
+        if bounded(shape.iter().copied())? != self.count() {
+            return Err(NetworkFault::Reshape(self.shape.clone(), shape));
+        }
+        let held = self.held.clone();
+        Ok(Term { shape, held })
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.shape.iter().product()
+    }
+
+    pub(super) fn constant(&self) -> Option<&Numbers<T>> {
+        match &self.held {
+            Held::Constant(numbers) => Some(numbers),
+            Held::Image(..) => None,
+        }
+    }
+
+    pub(super) fn constant_floats(&self) -> Option<&Array<T>> {
+        match self.constant()? {
+            Numbers::Floats(v) => Some(v),
+            Numbers::Whole(_) => None,
+        }
+    }
+
+    pub(super) fn slot(&self) -> Option<Slot> {
+        match self.held {
+            Held::Constant(_) => None,
+            Held::Image(slot, _) => Some(slot),
+        }
+    }
+
+    pub(super) fn kind(&self) -> Kind {
+        match self.held {
+            Held::Constant(Numbers::Floats(_)) => Kind::Free,
+            Held::Constant(Numbers::Whole(_)) => Kind::Whole,
+            Held::Image(_, kind) => kind,
+        }
+    }
+
+    pub(super) fn is_whole(&self) -> bool {
+        self.kind() == Kind::Whole
+    }
+}
+
+/// A larger tensor is no part of a detector: it is refused before it takes memory, which would end the program.
+const MOST_NUMBERS: usize = 1 << 28;
+
+/// How many numbers a tensor of these sides has. A side of 0 makes the others no larger.
+pub(super) fn bounded(sides: impl IntoIterator<Item = usize>) -> Result<usize> {
+    let (mut count, mut is_empty) = (1_usize, false);
+    for side in sides {
+        is_empty |= side == 0;
+        count = count.saturating_mul(side.max(1));
+    }
+    match count {
+        ..=MOST_NUMBERS => Ok(if is_empty { 0 } else { count }),
+        _ => Err(NetworkFault::TooLarge(MOST_NUMBERS)),
+    }
+}
+
+/// The shape two shapes broadcast to (ONNX: Multidirectional Broadcasting).
+pub(super) fn broadcast(a: &[usize], b: &[usize]) -> Result<Vec<usize>> {
+    let rank = a.len().max(b.len());
+    let side = |shape: &[usize], i: usize| (i + shape.len()).checked_sub(rank).map_or(1, |i| shape[i]);
+    let shape = (0..rank).map(|i| match (side(a, i), side(b, i)) {
+        (x, y) if x == y || y == 1 => Ok(x),
+        (1, y) => Ok(y),
+        _ => Err(NetworkFault::Mismatch("tensors", a.to_vec(), b.to_vec())),
+    });
+    let shape = shape.collect::<Result<Vec<_>>>()?;
+    bounded(shape.iter().copied())?;
+    Ok(shape)
+}
+
+/// An axis that may count from the end.
+pub(super) fn axis_of(axis: i64, rank: usize) -> Result<usize> {
+    let from_start = usize::try_from(if axis < 0 {
+        axis.saturating_add(rank as i64)
+    } else {
+        axis
+    });
+    let axis_there = from_start.ok().filter(|a| *a < rank);
+    axis_there.ok_or(NetworkFault::NoAxis(rank, axis))
+}
+
+/// Several axes that may count from the end.
+pub(super) fn axes_of(axes: &[i64], rank: usize) -> Result<Vec<usize>> {
+    axes.iter().map(|axis| axis_of(*axis, rank)).collect()
+}
