@@ -35,7 +35,7 @@ mkdir -p "$folder/lib" "$folder/licences"
 
 # The program, which looks for its libraries beside itself; so do the libraries, for theirs (an RPATH, not a RUNPATH).
 say "linking"
-cargo rustc --quiet --release --locked --features attack --bin scaleproof -- \
+cargo rustc --quiet --release --locked --bin scaleproof -- \
   -C strip=symbols -C 'link-arg=-Wl,--disable-new-dtags,-rpath,$ORIGIN/lib'
 cp "$CARGO_TARGET_DIR/release/scaleproof" "$folder/"
 
@@ -50,7 +50,7 @@ for text in LICENSE ThirdPartyNotices.txt; do
 done
 
 say "licences"
-carry_licences "$folder/licences" --features attack
+carry_licences "$folder/licences"
 
 say "manual pages, completions, the stored photos, the guide"
 "$folder/scaleproof" manuals -o "$folder/man/man1" >/dev/null

@@ -2,7 +2,7 @@
 # Makes out/wheel/scaleproof-VERSION-cp310-abi3-manylinux_….whl of the module that cargo built: the Python package, the program, the libraries they
 # are linked with beyond what every Linux with Python has, the stored photos, and all licences. Called by `./run wheel`, after the build.
 #
-#   .ci/wheel.sh [ARGUMENT…]     cargo's arguments of the build, as --features attack
+#   .ci/wheel.sh
 set -euo pipefail
 
 home=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -29,7 +29,7 @@ say "libraries and licences"
 # libstdc++, libgcc and zlib are in every Linux with Python; of two libstdc++ in one process the older would break the newer one's users.
 carry_libraries "$module" "$package/libs" "$licences" '^lib(stdc\+\+|gcc_s|z)\.so'
 find "$package/libs" -type f -exec strip --strip-unneeded {} +
-carry_licences "$licences" -p scaleproof-python "$@"
+carry_licences "$licences" -p scaleproof-python
 # The session and the detector of `scaleproof demo`, and the calibration boards.
 { git -c safe.directory='*' ls-files -z captures/skyline calibration detectors 2>/dev/null || find captures/skyline calibration detectors -type f -print0; } |
   tar -c --null -T - | tar -x -C "$package/share"

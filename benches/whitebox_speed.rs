@@ -11,7 +11,7 @@ use std::time::Instant;
 
 use ort::environment::Environment;
 use ort::session::Session;
-use scaleproof::{BoxPx, Boxes, DeviceKind, Manifest, OnnxDetector, WhiteBox};
+use scaleproof::{BoxPx, Boxes, Manifest, OnnxDetector, WhiteBox};
 
 const ROUNDS: usize = 15;
 /// Images a thread looks at while two are at work.
@@ -54,16 +54,19 @@ fn compare(manifest: &str, programs: &[PathBuf]) {
     for round in 0..ROUNDS {
         for i in 0..programs.len() {
             let i = (i + round) % programs.len();
-            rounds[i].push(running[i].round());
+            rounds[i].extend(running[i].round());
         }
     }
-    let medians: Vec<Round> = rounds.iter().map(|rounds| medians(rounds)).collect();
     let name = Path::new(manifest).file_stem().unwrap_or_default().to_string_lossy();
-    for (i, [ort, forward, both, two]) in medians.iter().copied().enumerate() {
+    let all: Vec<Option<Round>> = rounds.iter().map(|rounds| medians(rounds)).collect();
+    for (i, medians) in all.iter().enumerate() {
+        let Some([ort, forward, both, two]) = *medians else {
+            println!("{name:<26} is not followed by {}", programs[i].display());
+            continue;
+        };
         let (of_ort, faster) = (both / ort, both / two);
         print!("{name:<26} {ort:>8.1} {forward:>9.1} {both:>16.1} {of_ort:>7.2}× {faster:>9.2}×");
-        if i > 0 {
-            let [_, our_forward, our_both, our_two] = medians[0];
+        if let (1.., Some([_, our_forward, our_both, our_two])) = (i, all[0]) {
             let ratios = [our_forward / forward, our_both / both, our_two / two].map(|ratio| format!("{ratio:.3}"));
             print!("  this by that: {}", ratios.join(" "));
         }
@@ -71,8 +74,8 @@ fn compare(manifest: &str, programs: &[PathBuf]) {
     }
 }
 
-fn medians(rounds: &[Round]) -> Round {
-    std::array::from_fn(|i| median(rounds.iter().map(|round| round[i]).collect()))
+fn medians(rounds: &[Round]) -> Option<Round> {
+    (!rounds.is_empty()).then(|| std::array::from_fn(|i| median(rounds.iter().map(|round| round[i]).collect())))
 }
 
 /// A build of this file that measures one round when it is asked to.
@@ -97,15 +100,13 @@ impl Program {
         }
     }
 
-    fn round(&mut self) -> Round {
-        writeln!(self.asked.as_ref().expect("its input")).expect("it runs");
+    /// None of a build that cannot follow the network.
+    fn round(&mut self) -> Option<Round> {
+        writeln!(self.asked.as_ref()?).ok()?;
         let mut line = String::new();
-        self.answers.read_line(&mut line).expect("it answers");
-        let ms: Vec<f64> = line
-            .split_whitespace()
-            .map(|ms| ms.parse().expect("a number"))
-            .collect();
-        ms.try_into().expect("four numbers")
+        self.answers.read_line(&mut line).ok()?;
+        let ms: Result<Vec<f64>, _> = line.split_whitespace().map(str::parse).collect();
+        ms.ok()?.try_into().ok()
     }
 }
 
@@ -122,7 +123,7 @@ fn answer(path: &Path) {
     let manifest = Manifest::parse(&text, &path.display().to_string()).expect("a manifest");
     let weights = path.with_file_name(&manifest.weights.file);
     let car = manifest.labels.find("car").expect("a label \"car\"");
-    let detector = OnnxDetector::open(&manifest, &weights, &[car], DeviceKind::Cpu).expect("a detector");
+    let detector = OnnxDetector::open(&manifest, &weights, &[car]).expect("a detector");
     let (picture, size) = picture();
     let best = detector.predictions(&picture, size).expect("predictions");
     let best = best.iter().max_by(|a, b| a.confidence.total_cmp(&b.confidence));

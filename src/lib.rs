@@ -11,7 +11,7 @@
 //!
 //! # Building
 //! Scoring needs ONNX Runtime at run time (`ORT_DYLIB_PATH` names its shared library). The feature `full` (default) needs OpenCV 4 and clang; without it
-//! photos are located and scored, and patterns are printed. The feature `attack` adds the tensor framework. ARCHITECTURE.md shows the crates below.
+//! photos are located and scored, and patterns are printed. ARCHITECTURE.md shows the crates below.
 //!
 //! `apriltag-sys` links the system's C AprilTag library where `pkg-config` finds one. Accuracy is measured with the one it carries, for which a
 //! program that depends on this crate asks in its own `.cargo/config.toml`; the provenance of results names the library either way:
@@ -53,14 +53,13 @@ pub use scaleproof_session::session::{Conditions, PhotoEntry, Session, SessionEr
 pub use scaleproof_surface::pattern::{Pattern, PatternError};
 
 #[cfg(feature = "full")]
-pub use scaleproof_frames::frames::{FrameSet, FramesError};
-#[cfg(feature = "attack")]
 pub use {
     scaleproof_attack::run::augmentation::Eot,
     scaleproof_attack::run::view_set::{TextureMapping, ViewSet},
     scaleproof_attack::run::{Attack, AttackConfig, CellColours, RunError},
+    scaleproof_frames::frames::{FrameSet, FramesError},
     scaleproof_frames::surrogate::projection::Grid,
-    scaleproof_gradients::{Boxes, WhiteBox, WhiteBoxError, device::DeviceKind, network::detector::OnnxDetector},
+    scaleproof_gradients::{Boxes, WhiteBox, WhiteBoxError, detector::OnnxDetector},
 };
 
 /// The program `scaleproof`: its exit code, given its arguments with its own name first.

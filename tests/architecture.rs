@@ -308,7 +308,7 @@ const ONE_PLACE: [(&str, &[&str]); 7] = [
     ("env::var", &["crates/core/src/files/environment.rs"]),
     // The library neither exits nor hooks panics; its program does.
     ("process::exit", &["src/cli/"]),
-    ("set_hook(", &["src/cli/full/attack/networks.rs"]),
+    ("set_hook(", &[]),
     // A QR code is drawn with the colours that phones need.
     ("eprintln!", &["src/cli/full/capture/page.rs"]),
     (" println!", &[]),

@@ -52,8 +52,6 @@ pub(super) fn schemas() -> Vec<Named> {
     Vec::new()
 }
 
-pub(super) fn keep_refusals_quiet() {}
-
 pub(super) fn let_an_interruption_end_first() {}
 
 /// Without a runtime that hears of Ctrl-C, programs hear of it themselves.

@@ -116,7 +116,6 @@ type CommandResult = Result<Outcome>;
 /// standard error.
 pub(crate) fn main(arguments: &[OsString]) -> u8 {
     keep_to_ourselves();
-    full::keep_refusals_quiet();
     scaleproof_core::workers::memory::keep();
     scaleproof_core::files::inputs::guard();
     scaleproof_core::files::limit::fail_instead_of_ending();

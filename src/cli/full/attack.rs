@@ -5,24 +5,16 @@ mod baseline;
 mod chart;
 mod colours;
 mod demo;
-mod device;
 mod evaluate;
 mod history;
 mod import;
 mod judge;
-#[cfg(feature = "attack")]
-mod networks;
-#[cfg(not(feature = "attack"))]
-#[path = "attack/no_networks.rs"]
-mod networks;
 mod on_frames;
 mod photos;
 mod render;
 mod run;
+mod train_dtn;
 
-pub(in crate::cli) use networks::keep_refusals_quiet;
-
-use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -47,8 +39,7 @@ pub(in crate::cli) enum Command {
     Colours(colours::ColoursArgs),
     Chart(chart::ChartArgs),
     Evaluate(Box<evaluate::EvaluateArgs>),
-    #[command(flatten)]
-    Networks(networks::Command),
+    TrainDtn(train_dtn::TrainArgs),
     Run(Box<run::RunArgs>),
     /// Make the patterns an attack must beat, and judge them by the same views
     #[command(subcommand)]
@@ -69,9 +60,7 @@ pub(in crate::cli) struct CheckArgs {
     json: bool,
 }
 
-pub(in crate::cli) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    networks::advice(error).or_else(|| advice::advice(error))
-}
+pub(in crate::cli) use advice::advice;
 
 /// Detectors, and the name and hash of each.
 type WhiteBoxes = (Vec<Box<dyn WhiteBox>>, Vec<String>);
@@ -86,7 +75,7 @@ pub(in crate::cli) fn run(command: Command, out: &mut dyn Write) -> CommandResul
         Command::Colours(args) => colours::run(&args, out),
         Command::Chart(args) => chart::run(&args, out),
         Command::Evaluate(args) => evaluate::run(&args, out),
-        Command::Networks(command) => networks::run(command, out),
+        Command::TrainDtn(args) => train_dtn::run(&args, out),
         Command::Run(args) => run::run(&args, out),
         Command::Baseline(method) => baseline::run(*method, out),
         Command::Judge(args) => judge::run(&args, out),
@@ -140,7 +129,7 @@ fn check(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
 }
 
 pub(in crate::cli) fn schemas() -> Vec<Named> {
-    let mut all = vec![
+    vec![
         named::<CheckedFrames>("attack-check"),
         named::<evaluate::Evaluated>("attack-evaluate"),
         named::<WrittenFrames>("attack-frames"),
@@ -148,8 +137,7 @@ pub(in crate::cli) fn schemas() -> Vec<Named> {
         named::<judge::Judgement>("attack-judge"),
         named::<photos::FramesOfPhotos>("attack-photos"),
         named::<on_frames::Made>("attack-run"),
+        named::<train_dtn::TrainedNetwork>("attack-train-dtn"),
         named::<scaleproof_frames::surrogate::chart::Numbers>("renderers"),
-    ];
-    all.extend(networks::schemas());
-    all
+    ]
 }

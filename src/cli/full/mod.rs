@@ -28,7 +28,6 @@ use super::CommandResult;
 use super::advice::Advise;
 use crate::cli::answer::{Named, Written, named};
 
-pub(super) use attack::keep_refusals_quiet;
 pub(super) use fetch::download;
 pub(super) use interrupt::{end_programs_first, let_an_interruption_end_first};
 pub(super) use mesh_step::SceneMesh;

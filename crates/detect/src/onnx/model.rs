@@ -32,8 +32,6 @@ pub struct Model {
 pub struct Node {
     pub name: String,
     pub operator: String,
-    /// Empty or `ai.onnx`.
-    pub domain: String,
     /// An input that is left out has an empty name.
     pub inputs: Vec<String>,
     pub outputs: Vec<String>,
@@ -223,7 +221,7 @@ fn port(message: &[u8]) -> Result<String> {
 
 /// A node, or the name of an operator that is not ONNX's own or holds graphs.
 fn read_node(message: &[u8]) -> Result<std::result::Result<Node, String>> {
-    let (mut node, mut holds_graph) = (Node::default(), false);
+    let (mut node, mut domain, mut holds_graph) = (Node::default(), String::new(), false);
     for field in fields(message)? {
         let (number, Field::Bytes(bytes)) = field else { continue };
         match number {
@@ -235,14 +233,16 @@ fn read_node(message: &[u8]) -> Result<std::result::Result<Node, String>> {
                 (name, Some(attribute)) => _ = node.attributes.insert(name, attribute),
                 (_, None) => holds_graph = true,
             },
-            7 => node.domain = text(bytes)?,
+            7 => domain = text(bytes)?,
             _ => {}
         }
     }
-    Ok(match node.domain.as_str() {
-        domain if !is_own(domain) => Err(format!("{domain}.{}", node.operator)),
-        _ if holds_graph => Err(node.operator),
-        _ => Ok(node),
+    Ok(if !is_own(&domain) {
+        Err(format!("{domain}.{}", node.operator))
+    } else if holds_graph {
+        Err(node.operator)
+    } else {
+        Ok(node)
     })
 }
 

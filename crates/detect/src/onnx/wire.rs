@@ -35,15 +35,15 @@ impl<'a> Fields<'a> {
 
     /// All of them; none where the bytes are no message.
     pub(super) fn all(self) -> Option<Vec<(u64, Field<'a>)>> {
-        self.to_the_end(Fields::next)
+        self.read_all(Fields::next)
     }
 
     /// The bytes as numbers one after the other; none where they are not that.
     pub(super) fn varints(self) -> Option<Vec<u64>> {
-        self.to_the_end(Fields::varint)
+        self.read_all(Fields::varint)
     }
 
-    fn to_the_end<T>(mut self, read: impl Fn(&mut Self) -> Option<T>) -> Option<Vec<T>> {
+    fn read_all<T>(mut self, read: impl Fn(&mut Self) -> Option<T>) -> Option<Vec<T>> {
         let mut found = Vec::new();
         while !self.0.is_empty() {
             found.push(read(&mut self)?);

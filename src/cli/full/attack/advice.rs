@@ -8,11 +8,11 @@ use scaleproof_attack::run::RunError;
 use scaleproof_frames::frames::render::RenderError;
 use scaleproof_frames::surrogate::additive::AdditiveError;
 use scaleproof_frames::surrogate::chart::SurrogateChartError;
+use scaleproof_frames::surrogate::dtn::DtnError;
 use scaleproof_gradients::WhiteBoxError;
-use scaleproof_gradients::device::DeviceError;
 
-/// The option that helps, but in training.
-pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
+/// The option that helps.
+pub(in crate::cli) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     advice_by_kind! { error,
         RenderError::CutOff { .. } => " (--field-of-view-deg)",
         EvaluateError::Render(error) => advice(error)?,
@@ -26,8 +26,9 @@ pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
             WhiteBoxError::StrongestAlone { .. } => "leave --loss out".to_owned(),
             _ => return None,
         },
-        DeviceError::NotBuilt(device) =>
-            format!("build it with `cargo build --release --features {device}`, or leave --device out"),
-        DeviceError::NotThere(_) => ", or leave --device out",
+        DtnError::Additive(error) => advice(error)?,
+        DtnError::NoViews { .. } => " (attack render --flat, --reference)",
+        DtnError::Width { .. } => " (--width-px)",
+        DtnError::NotFinite { .. } => " (--seed)",
     }
 }

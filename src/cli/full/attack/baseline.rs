@@ -5,14 +5,13 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 
-use super::networks;
 use super::on_frames::{OnFrames, cells_of, figures_in_words};
 use super::render::hex;
 use crate::cli::answer::told;
 use crate::cli::full::patch::{PlaceArgs, asked, placed};
 use crate::cli::{CommandResult, Result, progress};
 use scaleproof_attack::baseline::patches::{first_unseen, judge_patches};
-use scaleproof_attack::baseline::{self, BlackBox, genetic};
+use scaleproof_attack::baseline::{self, BlackBox, camou, genetic};
 use scaleproof_attack::run::augmentation::Eot;
 use scaleproof_attack::run::history::Entry;
 use scaleproof_attack::run::judge::{HeldOutFigures, judge};
@@ -172,7 +171,7 @@ fn searched(method: &'static str, args: &SearchArgs, out: &mut dyn Write) -> Com
         let on_query = |asked: u64| bar.set_position(asked);
         let mut oracle = BlackBox::begin(&setup.view_set, &setup.detectors, &config, &on.output, &on_query)?;
         let (first_round, cells) = match method {
-            "camou" => networks::camou(on.device.device, &mut oracle, &config)?,
+            "camou" => (camou::FIRST_ROUND, camou::search(&mut oracle, &config)?),
             _ => (genetic::FIRST_ROUND, genetic::search(&mut oracle, &config)?),
         };
         Ok((first_round, cells, oracle.finish()?))

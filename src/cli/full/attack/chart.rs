@@ -3,12 +3,12 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::networks;
 use super::render::hexes;
 use crate::cli::{CommandResult, Outcome, Result, progress};
 use scaleproof_core::files;
 use scaleproof_frames::frames::FrameSet;
 use scaleproof_frames::surrogate::chart::{draw, draw_training, measure, numbers, table};
+use scaleproof_frames::surrogate::dtn::file;
 use scaleproof_frames::surrogate::renderer::NeuralRenderer;
 
 /// Every surrogate renderer on frames: error in flat colours it has not seen, and with patterns, against milliseconds
@@ -20,8 +20,9 @@ pub(in crate::cli) struct ChartArgs {
     /// The colours models are fitted to, as hex: the first two, the first three, …
     #[arg(long, value_name = "HEX", num_args = 2..=8, default_values = ["000000", "ffffff", "808080"])]
     reference: Vec<String>,
-    #[command(flatten)]
-    trained: networks::Trained,
+    /// Trained networks to put beside them (attack train-dtn)
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    network: Vec<PathBuf>,
     /// Folder for the charts (SVG) and its numbers (JSON)
     #[arg(short, long, alias = "out", value_name = "DIR")]
     output: PathBuf,
@@ -35,8 +36,11 @@ pub(super) fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
     let set = FrameSet::open(&args.frames)?;
     let references = hexes(&args.reference)?;
     let rows = progress::frames("measuring", set.view_count()).during(|bar| -> Result<_> {
-        let networks = args.trained.renderers()?;
-        let networks: Vec<&dyn NeuralRenderer> = networks.iter().map(AsRef::as_ref).collect();
+        let networks = args.network.iter().map(|path| file::load(path));
+        let networks = networks
+            .map(|trainer| Ok(trainer?.network()))
+            .collect::<Result<Vec<_>>>()?;
+        let networks: Vec<&dyn NeuralRenderer> = networks.iter().map(|network| network as _).collect();
         Ok(measure(&set, &references, &networks, || bar.inc(1))?)
     })?;
     let json = numbers(&set, &args.reference, &rows)?;

@@ -3,7 +3,6 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::device::OnDevice;
 use super::on_frames::{Looking, OnFrames};
 use super::run::{METHOD, optimise};
 use crate::cli::demo::{home, own_detector, print_template};
@@ -47,7 +46,6 @@ pub(super) fn run(args: &DemoArgs, out: &mut dyn Write) -> CommandResult {
             class: "car".parse()?,
             tile_mm: Some(TILE_MM),
             mapping: TextureMapping::default(),
-            device: OnDevice::default(),
             json: false,
         },
         cells: Some(CELLS),

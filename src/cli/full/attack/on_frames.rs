@@ -7,11 +7,10 @@ use std::path::{Path, PathBuf};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::device::OnDevice;
-use super::{WhiteBoxes, networks};
+use super::WhiteBoxes;
 use crate::cli::answer::told;
 use crate::cli::choice::one_of;
-use crate::cli::detectors::Folder;
+use crate::cli::detectors::{self, Folder};
 use crate::cli::enlarged::note_enlarged;
 use crate::cli::print::card_fault;
 use crate::cli::results::Programs;
@@ -28,6 +27,7 @@ use scaleproof_core::spelling::{count, quoted};
 use scaleproof_detect::{Manifest, ProgramDetector};
 use scaleproof_frames::frames::FrameSet;
 use scaleproof_gradients::WhiteBox;
+use scaleproof_gradients::detector::OnnxDetector;
 use scaleproof_gradients::program::ProgramWhiteBox;
 use scaleproof_photo::defence::Defence;
 use scaleproof_pose::scene::Classes;
@@ -71,8 +71,6 @@ pub(in crate::cli) struct Looking {
     /// (DTA)
     #[arg(long = "laying", default_value = "world", value_parser = one_of(TextureMapping::ALL.map(|mapping| (mapping, mapping.name()))))]
     pub mapping: TextureMapping,
-    #[command(flatten)]
-    pub device: OnDevice,
     /// One JSON object instead of the text
     #[arg(long)]
     pub json: bool,
@@ -133,7 +131,7 @@ impl Looking {
         let (networks, programs) = self.programs.among(&self.detector)?;
         let (mut detectors, mut names) = match (networks.is_empty(), programs.is_empty()) {
             (true, false) => WhiteBoxes::default(),
-            _ => networks::white_boxes(&networks, &self.folder, &self.class, self.device.device)?,
+            _ => self.white_boxes(&networks)?,
         };
         for program in self.programs.started(programs)? {
             let (name, detector) = program_box(program, &self.class, differentiates)?;
@@ -145,6 +143,19 @@ impl Looking {
         let bar = progress::frames("reading views", frames.iter().map(FrameSet::view_count).sum());
         let detectors = (detectors, names, self.class.clone());
         Ok(bar.during(|bar| Setup::open(frames, texture, eot, detectors, || bar.inc(1)))?)
+    }
+
+    /// The detectors that are networks, and the name and hash of each.
+    fn white_boxes(&self, names: &[String]) -> Result<WhiteBoxes> {
+        let folders = self.folder.folders()?;
+        let (mut all, mut named): WhiteBoxes = Default::default();
+        for manifest in detectors::chosen(names)? {
+            let labels = manifest.counted(self.class.labels())?;
+            let path = folders.checked(&manifest)?;
+            named.push(format!("{} {:.12}", manifest.name, manifest.weights.sha256));
+            all.push(Box::new(OnnxDetector::open(&manifest, &path, &labels)?));
+        }
+        Ok((all, named))
     }
 }
 

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::render::hexes;
 use crate::cli::answer::told;
-use crate::cli::full::attack::device::{OnDevice, by_name};
-use crate::cli::full::attack::render::hexes;
+use crate::cli::choice::one_of;
 use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
 use scaleproof_core::spelling::count;
@@ -27,14 +27,13 @@ pub(in crate::cli) struct TrainArgs {
     /// Frames to validate on; without, a place and every fourth azimuth are kept back
     #[arg(long, value_name = "FRAMES")]
     validation: Option<PathBuf>,
-    /// resnet, densenet or convnet
-    #[arg(long, default_value = "resnet", value_parser = by_name(Encoder::ALL, Encoder::name, "resnet, densenet and convnet are the encoders"))]
+    #[arg(long, default_value = "resnet", value_parser = one_of(Encoder::ALL.map(|encoder| (encoder, encoder.name()))))]
     encoder: Encoder,
     /// k: how often the encoder halves the image
     #[arg(long, value_name = "K", default_value_t = 4, value_parser = clap::value_parser!(u8).range(1..=Architecture::MAX_DEPTH as i64))]
     depth: u8,
-    /// texture (DTN) or multiply-add (NTR of ACTIVE)
-    #[arg(long, default_value = "texture", value_parser = by_name(Transformer::ALL, Transformer::name, "texture and multiply-add are the transformers"))]
+    /// DTN's or, multiply-add, that of ACTIVE's NTR
+    #[arg(long, default_value = "texture", value_parser = one_of(Transformer::ALL.map(|transformer| (transformer, transformer.name()))))]
     transformer: Transformer,
     /// Flat colours of the image it starts from, as hex; several: one of them at random
     #[arg(long, value_name = "HEX", num_args = 1..=16, default_values = ["808080"])]
@@ -48,8 +47,6 @@ pub(in crate::cli) struct TrainArgs {
     /// Train for so long instead, with the time of earlier runs
     #[arg(long, value_name = "S")]
     seconds: Option<f64>,
-    #[command(flatten)]
-    on: OnDevice,
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// The network, saved every half minute
@@ -67,7 +64,6 @@ pub(super) fn run(args: &TrainArgs, out: &mut dyn Write) -> CommandResult {
     files::check_file_writable(&args.output)?;
     files::inputs::own(&args.output);
     let known = args.output.exists().then(|| file::load(&args.output)).transpose()?;
-    args.on.device.open()?;
     let references = hexes(&args.reference)?;
     let set = frames(args, &references)?;
     let plan = TrainingPlan {
