@@ -90,6 +90,9 @@ pub(super) struct Step<T> {
 /// The backward passes of steps, in the order these were run.
 pub(super) type Tape<'a, T> = Vec<(&'a Step<T>, Back<'a, T>)>;
 
+/// What each slot holds that is asked for, and the tape.
+type Ran<'a, T> = (Vec<Option<Numbers<T>>>, Tape<'a, T>);
+
 pub(super) struct Plan<T> {
     steps: Vec<Step<T>>,
     /// For each step, the slots that no later step and no output reads.
@@ -134,8 +137,8 @@ impl<T: Number> Plan<T> {
         }
     }
 
-    /// What each slot that is asked for holds for an image, and where `keeps` the backward passes.
-    pub(super) fn run(&self, image: Vec<T>, keeps: bool) -> Result<(Vec<Option<Numbers<T>>>, Tape<'_, T>)> {
+    /// For an image; the tape is empty unless it `keeps` the backward passes.
+    pub(super) fn run(&self, image: Vec<T>, keeps: bool) -> Result<Ran<'_, T>> {
         let mut held: Vec<Option<Numbers<T>>> = vec![None; self.slots];
         for (slot, constant) in &self.constants {
             held[*slot] = Some(constant.clone());
