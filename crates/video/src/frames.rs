@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use image::{GrayImage, RgbImage};
 
-use crate::log::{Said, Teller, listen, plain};
+use crate::log::{ELSEWHERE, Said, Teller, listen, plain};
 use crate::probe::{MOST_MEGAPIXELS, Range};
 use crate::program::{Running, command, drain, every_frame_option, version};
 use crate::{Video, VideoError};
@@ -299,9 +299,10 @@ impl<P: Pixels> Frames<P> {
             match self.said.recv_timeout(self.selection.patience) {
                 Ok(Said::Error(line)) => {
                     let line = plain(&line, &self.name);
+                    let is_elsewhere = line == ELSEWHERE;
                     self.complaint.get_or_insert(line);
                     // ffmpeg conceals what it cannot decode, and goes on.
-                    if self.selection.is_whole {
+                    if self.selection.is_whole || is_elsewhere {
                         return Err(self.damaged());
                     }
                 }

@@ -12,6 +12,9 @@ const LONGEST_LINE: u64 = 4096;
 /// So many lines wait to be taken. ffmpeg decodes some thirty frames ahead of the pipe with their pictures; one that says more waits.
 const MOST_WAITING: usize = 4096;
 
+/// Why a camera that sends ffmpeg to another address is not followed; ffmpeg itself would.
+pub(crate) const ELSEWHERE: &str = "it sends on to another address: give that one";
+
 /// A line that somebody waits for.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Said {
@@ -83,6 +86,9 @@ impl Lines {
             }
             return self.frame(spoken.words);
         }
+        if spoken.is_sent_on() {
+            return Some(Said::Error(ELSEWHERE.to_owned()));
+        }
         // What ffmpeg makes up where data is damaged is only a warning to it, or less.
         let is_made_up = || {
             let is_corrupt = || {
@@ -125,6 +131,11 @@ impl Spoken<'_> {
         let (level, words) = rest.strip_prefix('[')?.split_once("] ")?;
         let is_level = ["panic", "fatal", "error", "warning", "info"].contains(&level);
         is_level.then_some(Spoken { by, level, words })
+    }
+
+    /// By an RTSP server, to another one.
+    fn is_sent_on(&self) -> bool {
+        self.by == Some("rtsp") && self.words.contains(": Redirecting to ")
     }
 
     fn is_error(&self) -> bool {
@@ -210,8 +221,7 @@ pub(crate) fn last_words(said: &str, name: &str) -> String {
 
 /// Whether an RTSP server has sent ffmpeg to another one.
 pub(crate) fn sends_elsewhere(said: &str) -> bool {
-    let mut lines = said.lines().filter_map(Spoken::of);
-    lines.any(|spoken| spoken.by == Some("rtsp") && spoken.words.contains(": Redirecting to "))
+    said.lines().filter_map(Spoken::of).any(|spoken| spoken.is_sent_on())
 }
 
 /// What ffmpeg says, without the input's name.

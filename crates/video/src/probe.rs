@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use serde::Deserialize;
 
-use crate::log::{last_words, sends_elsewhere};
+use crate::log::{ELSEWHERE, last_words, sends_elsewhere};
 use crate::program::{LEFT_BEHIND, Running, command, drain, every_frame_option, has_zscale};
 use crate::{Input, VideoError};
 use scaleproof_photo::photo::{Budget, DecodeCost};
@@ -423,7 +423,7 @@ fn described(input: &Input) -> Result<Description, VideoError> {
     let complaint = String::from_utf8_lossy(&complaint);
     // A file names no other address.
     if input.file.is_none() && sends_elsewhere(&complaint) {
-        let reason = "it sends on to another address: give that one".to_owned();
+        let reason = ELSEWHERE.to_owned();
         return Err(VideoError::NotAVideo { reason, name });
     }
     let reason = || last_words(&complaint, &name);

@@ -143,6 +143,8 @@ fn lines_count_by_their_beginning() {
     ] {
         assert!(matches!(said(line), Some(Said::Error(_))), "{line}");
     }
+    let away = "[rtsp @ 0x55d0] [info] Status 302: Redirecting to rtsp://127.0.0.1:1/other";
+    assert!(matches!(said(away), Some(Said::Error(_))), "{away}");
     let other_clock = format!("{OWN}config in time_base: 1/500, frame_rate: 5/1");
     assert_eq!(said(&other_clock), Some(Said::Error("its clock changes".into())));
 }
