@@ -212,11 +212,10 @@ fn field<'a>(line: &'a str, name: &str) -> Option<&'a str> {
 
 /// The last complaint among what was said, without the input's name and the addresses of ffmpeg's parts.
 pub(crate) fn last_words(said: &str, name: &str) -> String {
-    let complaints = said.lines().filter_map(Spoken::of).filter(Spoken::is_error);
-    let last = complaints
-        .map(|spoken| spoken.words)
-        .filter(|words| !words.trim().is_empty());
-    plain(last.last().unwrap_or("no reason given"), name)
+    let words = |line| Spoken::of(line).filter(Spoken::is_error).map(|spoken| spoken.words);
+    let mut complaints = said.lines().rev().filter_map(words);
+    let last = complaints.find(|words| !words.trim().is_empty());
+    plain(last.unwrap_or("no reason given"), name)
 }
 
 /// Whether an RTSP server has sent ffmpeg to another one.

@@ -3,6 +3,8 @@
 //! That folder, the home, may come from somebody else, and what lies in it may lead out of it. So each folder between the home and a file is a real
 //! one or is made, nothing is written or removed through a link, nothing is written into a file that has another name elsewhere, and nothing waits
 //! for a pipe. What is written gets its name when it is whole, and what is an input stays ([`inputs`]).
+//!
+//! Folders are looked at, not held: this is no guard against somebody who puts links into the home while it is written to.
 
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::Read;
