@@ -1,7 +1,7 @@
 //! From a photo to the camera pose: scenes, cameras, boards, AprilTags, pose estimation with its uncertainty, simulated views.
 //!
-//! [`locate::locate_photo`] is the one way from a photo to its pose. It returns an [`locate::Abstention`] with the reason instead of a pose that it
-//! cannot be sure of.
+//! [`locate::locate_photo`] is the only way from a photo to its pose. It returns an [`locate::Abstention`] with the reason instead of a pose that may
+//! be wrong.
 //!
 //! ```
 //! use std::path::Path;
@@ -28,14 +28,14 @@ pub mod scene;
 pub mod simulate;
 pub mod tags;
 
-/// Keeps the first items where OpenCV has ArUco in its module `aruco` (before 4.7), the second where it is an object of `objdetect` (since 4.7).
+/// Keeps the first items if OpenCV has ArUco in its module `aruco` (before 4.7), the second if it is an object of `objdetect` (since 4.7).
 #[cfg(not(opencv_aruco_in_objdetect))]
 #[macro_export]
 macro_rules! by_opencv {
     (before_4_7 { $($before:item)* } since_4_7 { $($since:item)* }) => { $($before)* };
 }
 
-/// Keeps the first items where OpenCV has ArUco in its module `aruco` (before 4.7), the second where it is an object of `objdetect` (since 4.7).
+/// Keeps the first items if OpenCV has ArUco in its module `aruco` (before 4.7), the second if it is an object of `objdetect` (since 4.7).
 #[cfg(opencv_aruco_in_objdetect)]
 #[macro_export]
 macro_rules! by_opencv {

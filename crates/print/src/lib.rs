@@ -1,6 +1,6 @@
-//! Sheets in true millimetres as PDF or SVG: templates, paint stencils, tags, boards, patches, the colour chart.
+//! Printing in true millimetres as PDF or SVG: templates, paint stencils, tags, boards, patches, the colour chart.
 //!
-//! Sheets are planned in the millimetres that come out on paper, and drawn as vectors.
+//! Sheets are planned in the millimetres measured on paper, and drawn as vectors.
 //!
 //! ```
 //! use scaleproof_print::print::media::Media;

@@ -1,4 +1,4 @@
-//! Where the corners that a detector names lie on the board.
+//! Positions of a board's calibration corners and markers, in the board frame.
 
 use std::ops::Range;
 
@@ -29,7 +29,7 @@ impl Definition {
 
     /// The markers of a ChArUco board or the tags of an AprilGrid, by id from 0 up; a chessboard has none.
     pub fn markers(&self) -> Vec<Marker> {
-        // The side of one, where the first row and column begin, and from one to the next.
+        // Columns and rows of the markers, their side, the offset of the first one and the step from one to the next, mm.
         let (places, side, first, step): (Vec<[u32; 2]>, f64, f64, f64) = match self {
             Self::Chessboard { .. } => return Vec::new(),
             Self::Charuco {

@@ -1,4 +1,4 @@
-//! The file that describes a board, for the programs that detect it.
+//! File that describes a board, for the programs that detect it.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use scaleproof_core::files;
 use scaleproof_core::geometry::length::{self, BadLength, number};
 
-/// Why a board file was refused, or could not be put together.
+/// Reason why a board file was refused, or could not be written.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DefinitionError {
     #[error("{0}")]
@@ -77,11 +77,11 @@ impl Definition {
     pub const MARKER_SHARE: f64 = 0.75;
     /// The gap of Kalibr's own grids, by the tag's size.
     pub const TAG_SPACING: f64 = 0.3;
-    /// More columns or rows than this are a mistake in the numbers.
+    /// Maximum number of columns or rows; more are a mistake in the numbers.
     pub const MOST_SQUARES: u32 = 100;
     /// Modules of a Kalibr tag: 6 of code, 2 of border on each side.
     pub const GRID_TAG_MODULES: u32 = 10;
-    /// Wider borders leave no code in a tag.
+    /// Maximum width of a border, in modules; wider ones leave no code in a tag.
     const MOST_BORDER_MODULES: u32 = 4;
 
     pub fn open(path: &Path) -> Result<Self, DefinitionError> {
@@ -139,7 +139,7 @@ impl Definition {
         Ok(self)
     }
 
-    /// Width and height of everything printed.
+    /// Returns width and height of the whole print, mm.
     pub fn size_mm(&self) -> (f64, f64) {
         match self {
             Self::Charuco { squares, square_mm, .. } | Self::Chessboard { squares, square_mm, .. } => {
@@ -201,7 +201,7 @@ impl Definition {
         }
     }
 
-    /// The definition file.
+    /// Returns the text of the definition file.
     ///
     /// # Errors
     /// Only if the TOML library fails.

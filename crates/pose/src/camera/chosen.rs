@@ -1,8 +1,8 @@
-//! Files of several cameras: which one is read.
+//! Choice of one camera from a file of several.
 
 use super::CameraFault;
 
-/// The camera with a name; without one, the only camera.
+/// Returns the camera with the given name or, without a name, the only one.
 pub(super) fn chosen<T>(mut cameras: Vec<(String, T)>, name: Option<&str>) -> Result<(String, T), CameraFault> {
     let names = || {
         cameras

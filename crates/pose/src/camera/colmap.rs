@@ -14,7 +14,7 @@ fn lines(text: &str) -> impl Iterator<Item = Vec<&str>> {
     lines.map(|line| line.split_whitespace().collect())
 }
 
-/// Whether a text is of such lines.
+/// Returns true if the first line of the text has the form of a `cameras.txt` line.
 pub(super) fn is(text: &str) -> bool {
     lines(text).next().is_some_and(|words| match words[..] {
         [id, model, width, height, _, ..] => {
@@ -41,7 +41,7 @@ pub(super) fn read(text: &str, name: Option<&str>) -> Result<Camera, CameraFault
         return Err(refuse("its width and height are no whole numbers".into()));
     };
     let model = words.get(1).copied().unwrap_or_default();
-    // Whether there is one focal length; how many coefficients; whether they are a fisheye's.
+    // Whether the model has a single focal length, its number of coefficients, and whether it is a fisheye model.
     let (is_square, count, is_fisheye) = match model {
         "SIMPLE_PINHOLE" => (true, 0, false),
         "PINHOLE" => (false, 0, false),

@@ -1,6 +1,6 @@
-//! What may be wrong with a camera file, or with the numbers of a camera.
+//! Faults of camera files and of cameras' numbers.
 
-/// What is wrong with a camera, as a sentence that says what to change.
+/// Fault of a camera, as a sentence that says what to change.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CameraFault {
     #[error("the file is empty")]

@@ -1,4 +1,4 @@
-//! The values that a camera file has under names, whichever notation it is in: YAML, JSON (which is YAML too), or OpenCV's XML.
+//! Named values of a camera file in any notation: YAML, JSON (which is YAML too), or OpenCV's XML.
 
 use std::collections::BTreeMap;
 
@@ -18,13 +18,13 @@ pub(super) enum Value {
     Other(IgnoredAny),
 }
 
-/// Values by their names, and what the file is called where one is missing.
+/// Values by name, and the description of the file that error messages use.
 pub(super) struct Fields {
     what: &'static str,
     values: BTreeMap<String, Value>,
 }
 
-/// A name as it is compared: writers differ in capitals and underscores.
+/// Normalises a name for comparison: lower case, without `_` and `-`, since writers differ in these.
 fn plain(name: &str) -> String {
     name.to_lowercase().replace(['_', '-'], "")
 }
@@ -34,7 +34,7 @@ impl Fields {
         Fields { what, values }
     }
 
-    /// The names and values of a YAML or JSON text; none where it is no such table.
+    /// Returns the names and values of a YAML or JSON text; no fields if the text is not a table.
     pub(super) fn of_yaml(text: &str) -> Result<Fields, CameraFault> {
         let what = "a camera file";
         if text.contains("!!python/object") {
@@ -48,12 +48,12 @@ impl Fields {
         Ok(Fields { what, values })
     }
 
-    /// The fields of a file of some kind.
+    /// Returns the fields with another description of the file for error messages.
     pub(super) fn called(self, what: &'static str) -> Fields {
         Fields { what, ..self }
     }
 
-    /// Tables within this one that have one of some names, by their own.
+    /// Returns the nested tables that have at least one of the given names, with the tables' own names.
     pub(super) fn tables_with(self, names: &[&str]) -> Vec<(String, Fields)> {
         let what = self.what;
         let tables = self.values.into_iter().filter_map(|(name, value)| match value {
@@ -67,20 +67,20 @@ impl Fields {
         self.find(&[name]).is_some()
     }
 
-    /// The first of some names that is there, as the file spells it, and its value.
+    /// Returns the first of the given names that is present, as the file spells it, and its value.
     fn find(&self, names: &[&str]) -> Option<(&str, &Value)> {
         let is = |name: &str| self.values.iter().find(|(own, _)| plain(own) == plain(name));
         let (name, value) = names.iter().find_map(|name| is(name))?;
         Some((name, value))
     }
 
-    /// A refusal of the file.
+    /// Returns an error that refuses the file for this reason.
     pub(super) fn refuse(&self, reason: String) -> CameraFault {
         let what = self.what;
         CameraFault::Syntax { what, reason }
     }
 
-    /// The number under one of some names, if there is one.
+    /// Returns the number under the first of the given names that is present; `None` if none is.
     pub(super) fn number(&self, names: &[&str]) -> Result<Option<f64>, CameraFault> {
         let Some((name, value)) = self.find(names) else {
             return Ok(None);
@@ -96,7 +96,7 @@ impl Fields {
         }
     }
 
-    /// The numbers under one of some names: a list, lists in a list, or OpenCV's and ROS's matrix with its size.
+    /// Returns the numbers under the first of the given names that is present: a list, nested lists, or a matrix of OpenCV or ROS with its shape.
     pub(super) fn numbers(&self, names: &[&str]) -> Result<Option<Vec<f64>>, CameraFault> {
         let Some((name, value)) = self.find(names) else {
             return Ok(None);
@@ -120,7 +120,7 @@ impl Fields {
         }
     }
 
-    /// Width and height of the image in pixels, under the names that are usual for them.
+    /// Returns width and height of the image in pixels, under any of their usual names.
     pub(super) fn size(&self) -> Result<[u32; 2], CameraFault> {
         if let Some(size) = self.numbers(&["resolution", "image_size", "img_size"])? {
             let [width, height] = size[..] else {
@@ -152,7 +152,7 @@ impl Fields {
     }
 }
 
-/// Rows and columns of a matrix: `rows` and `cols`, or the product of OpenCV 5's `sizes`.
+/// Returns rows and columns of a matrix: `rows` and `cols`, or [1, product of OpenCV 5's `sizes`].
 fn shape(matrix: &BTreeMap<String, Value>) -> Option<[f64; 2]> {
     let side = |name: &str| matrix.get(name).and_then(number);
     if let Some(sizes) = matrix.get("sizes") {
@@ -162,7 +162,7 @@ fn shape(matrix: &BTreeMap<String, Value>) -> Option<[f64; 2]> {
     Some([side("rows")?, side("cols")?])
 }
 
-/// YAML's own numbers, and OpenCV's `1180.`.
+/// Parses a number: YAML's own, or text such as OpenCV's `1180.`.
 fn number(value: &Value) -> Option<f64> {
     match value {
         Value::Number(number) => Some(*number),
@@ -171,7 +171,7 @@ fn number(value: &Value) -> Option<f64> {
     }
 }
 
-/// Appends all numbers of a value, row by row; false where something else is among them.
+/// Appends all numbers of a value, row by row; returns false if it contains anything else.
 fn flat(value: &Value, to: &mut Vec<f64>) -> bool {
     match value {
         Value::List(list) => list.iter().all(|value| flat(value, to)),

@@ -2,15 +2,15 @@
 //! Lenses", its radially symmetric part), with the coefficients of OpenCV's `cv::fisheye` and Kalibr's `equidistant`: a ray at the angle θ (rad)
 //! to the optical axis lands θ_d = θ (1 + k1 θ² + k2 θ⁴ + k3 θ⁶ + k4 θ⁸) focal lengths from the principal point.
 //!
-//! Coefficients come in an array of eight, as of the other model; k1 to k4 are the first four.
+//! Coefficient arrays have eight entries, as for Brown–Conrady; only the first four, k1 to k4, are used.
 
 use nalgebra::{Matrix2x3, Point3};
 
-/// No ray further off the axis has a pixel. Points need depth, and at depth 1 this one is 11 units off the axis.
+/// Largest angle to the optical axis of a ray that has a pixel: points need a positive depth, and at depth 1 this ray is 11 units off the axis.
 const FURTHEST_DEG: f64 = 85.0;
 const NEWTON_STEPS: usize = 50;
 
-/// θ_d at an angle θ (rad), and its derivative by θ.
+/// Returns θ_d at an angle θ (rad), and its derivative by θ.
 fn distorted([k1, k2, k3, k4, ..]: &[f64; 8], angle: f64) -> (f64, f64) {
     let t = angle * angle;
     (
@@ -19,7 +19,7 @@ fn distorted([k1, k2, k3, k4, ..]: &[f64; 8], angle: f64) -> (f64, f64) {
     )
 }
 
-/// A point's distance from the optical axis, the angle of its ray to the axis (rad), and the direction in which the image shows it.
+/// Returns a point's distance from the optical axis, the angle of its ray to the axis (rad), and the unit direction of the point in the image.
 fn polar(p: &Point3<f64>) -> (f64, f64, [f64; 2]) {
     let off_axis = p.x.hypot(p.y);
     let direction = if off_axis > 0.0 {
@@ -30,7 +30,7 @@ fn polar(p: &Point3<f64>) -> (f64, f64, [f64; 2]) {
     (off_axis, off_axis.atan2(p.z), direction)
 }
 
-/// Where a point of the camera frame lands, in focal lengths from the principal point, and the derivative by the point.
+/// Projects a point of the camera frame, in focal lengths from the principal point, and returns the derivative by the point.
 pub(super) fn project(k: &[f64; 8], p: &Point3<f64>) -> ([f64; 2], Matrix2x3<f64>) {
     let (off_axis, angle, [cos, sin]) = polar(p);
     let (radius, by_angle) = distorted(k, angle);
@@ -49,7 +49,7 @@ pub(super) fn project(k: &[f64; 8], p: &Point3<f64>) -> ([f64; 2], Matrix2x3<f64
     ([radius * cos, radius * sin], by_point)
 }
 
-/// The derivatives of [`project`] by the coefficients.
+/// Returns the derivatives of [`project`] by the coefficients.
 pub(super) fn by_coefficients(p: &Point3<f64>) -> [[f64; 2]; 8] {
     let (_, angle, direction) = polar(p);
     let by = |power| direction.map(|d| angle.powi(power) * d);
@@ -57,7 +57,7 @@ pub(super) fn by_coefficients(p: &Point3<f64>) -> [[f64; 2]; 8] {
     [by(3), by(5), by(7), by(9), none, none, none, none]
 }
 
-/// The point at depth 1 that lands at `target`, in focal lengths from the principal point; `None` beyond the radius `widest` at depth 1.
+/// Returns the point at depth 1 that projects to `target`, in focal lengths from the principal point; `None` beyond the radius `widest` at depth 1.
 pub(super) fn point_at(k: &[f64; 8], target: [f64; 2], widest: f64) -> Option<[f64; 2]> {
     let radius = target[0].hypot(target[1]);
     // Newton's method on θ, in a bracket that is halved where a step would leave it.
@@ -90,7 +90,7 @@ pub(super) fn point_at(k: &[f64; 8], target: [f64; 2], widest: f64) -> Option<[f
     Some(target.map(|c| c * angle.tan() / radius))
 }
 
-/// The radius at depth 1 up to which θ_d grows with θ, searched up to [`FURTHEST_DEG`].
+/// Returns the radius at depth 1 up to which θ_d grows with θ, searched up to [`FURTHEST_DEG`].
 pub(super) fn valid_radius(k: &[f64; 8]) -> f64 {
     const PER_DEG: f64 = 4.0;
     let steps = (FURTHEST_DEG * PER_DEG) as u32;

@@ -1,8 +1,8 @@
-//! A camera made to fit a photo: scaled when the photo was made smaller, turned when the camera was.
+//! Adaptation of a camera to a photo that was scaled or turned.
 
 use super::{Camera, Distortion, DistortionModel};
 
-/// A camera that fits one photo, and what was done to the camera file's for that.
+/// Camera that fits one photo, and how it was derived from the camera file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FittedCamera {
     /// The camera at the size and orientation of the photo.
@@ -13,7 +13,7 @@ pub struct FittedCamera {
     pub turned_deg: u32,
 }
 
-/// Why a camera file does not fit a photo.
+/// Reason why a camera file does not fit a photo.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SizeError {
@@ -28,10 +28,10 @@ pub enum SizeError {
 }
 
 impl Camera {
-    /// The camera for an upright photo of a size in pixels that EXIF turned clockwise by `turned_deg` (0, 90, 180 or 270).
+    /// Returns the camera for an upright photo of a size in pixels that EXIF turned clockwise by `turned_deg` (0, 90, 180 or 270).
     ///
-    /// The camera file may be for the image as it lies on the sensor, which is then turned with the photo, or for upright
-    /// photos held the same way. Refuses what was cropped or turned in an unknown way.
+    /// The camera file may be for the image as it lies on the sensor, which is then turned with the photo, or for upright photos held the same way.
+    /// Returns an error for a photo that was cropped, or turned in an unknown way.
     pub fn for_photo(&self, width: u32, height: u32, turned_deg: u32) -> Result<FittedCamera, SizeError> {
         let lies_across = turned_deg % 180 == 90;
         let (sensor_width, sensor_height) = if lies_across { (height, width) } else { (width, height) };
@@ -50,7 +50,7 @@ impl Camera {
         })
     }
 
-    /// Where a photo's pixel lies in the image that this camera file is for; `fitted` is this camera as it fits the photo.
+    /// Maps a photo's pixel to the image that this camera file is for; `fitted` is this camera as fitted to the photo.
     pub fn unfitted_px(&self, fitted: &FittedCamera, [mut x, mut y]: [f64; 2]) -> [f64; 2] {
         let (mut width, mut height) = (f64::from(fitted.camera.width), f64::from(fitted.camera.height));
         for _ in 0..fitted.turned_deg / 90 {
@@ -61,7 +61,7 @@ impl Camera {
         [unscaled(x, width, self.width), unscaled(y, height, self.height)]
     }
 
-    /// The camera for the same image at another size in pixels. Refuses another aspect ratio than rounding explains.
+    /// Returns the camera for the same image at another size in pixels; an error if the aspect ratio differs by more than rounding.
     ///
     /// Pixel (0, 0) is the centre of the top-left pixel, so a principal point moves as (c + ½)·s − ½.
     pub fn scaled_to(&self, width: u32, height: u32) -> Result<Camera, SizeError> {
@@ -83,7 +83,7 @@ impl Camera {
         })
     }
 
-    /// The factors of width and height, when one factor gives both sides within a pixel.
+    /// Returns the scale factors of width and height, if a single factor gives both sides within a pixel.
     fn scale_to(&self, width: u32, height: u32) -> Option<[f64; 2]> {
         let [w, h, own_w, own_h] = [width, height, self.width, self.height].map(f64::from);
         let least = ((w - 1.0) / own_w).max((h - 1.0) / own_h);
@@ -99,7 +99,7 @@ impl Camera {
         }
     }
 
-    /// The camera of the image turned clockwise by 90°: x' = −y, y' = x on the sensor.
+    /// Returns the camera of the image turned clockwise by 90°: x' = −y, y' = x on the sensor.
     fn turned_clockwise(self) -> Camera {
         let [k1, k2, p1, p2, k3, k4, k5, k6] = self.distortion.coefficients;
         Camera {
@@ -123,13 +123,13 @@ impl Camera {
 }
 
 impl FittedCamera {
-    /// What to know before believing a pose made with this camera, as sentences.
+    /// Returns the cautions that apply to a pose made with this camera, as sentences.
     pub fn cautions(&self) -> Vec<String> {
         let guessed = self.camera.guess.map(|g| g.caution());
         self.scaled_caution().into_iter().chain(guessed).collect()
     }
 
-    /// What scaling takes for granted.
+    /// Returns a caution if the camera was scaled: scaling assumes that the photo was resized as a whole.
     pub fn scaled_caution(&self) -> Option<String> {
         let scale = self.scale;
         (scale != 1.0).then(|| {

@@ -1,4 +1,4 @@
-//! The camera file formats: which one a text is, reading and writing.
+//! Camera file formats: detection, reading and writing.
 
 use std::path::Path;
 
@@ -40,7 +40,7 @@ impl Camera {
         Camera::parse(&files::read_text(path)?, path)
     }
 
-    /// Reads the camera with a name (or an id) from a file of several; without one as [`Camera::open`].
+    /// Reads the camera with a name (or an id) from a file of several; without a name as [`Camera::open`].
     pub fn open_named(path: &Path, name: Option<&str>) -> Result<Camera, CameraError> {
         let read = parse(&files::read_text(path)?, name);
         read.map_err(|fault| FileError::content(path, fault).into())
@@ -51,7 +51,8 @@ impl Camera {
         parse(text, None).map_err(|fault| FileError::content(path, fault).into())
     }
 
-    /// The camera as the text of a file; every number reads back as it is. Refuses what the format's models cannot say.
+    /// Returns the camera as the text of a file; every number reads back unchanged. Returns an error if the format's models cannot express the
+    /// camera.
     pub fn write(&self, format: CameraFormat) -> Result<String, CameraError> {
         let written = self.check().and_then(|()| match format {
             CameraFormat::OpenCv => Ok(matrix_yaml::write_opencv(self)),
@@ -64,7 +65,7 @@ impl Camera {
     }
 }
 
-/// The only camera of a file's text, or the one with a name. Which format it is, is found by what it says; a file's name may say anything.
+/// Parses the only camera of a file's text, or the one with the given name. The format is detected from the content, never from the file's name.
 fn parse(text: &str, name: Option<&str>) -> Result<Camera, CameraFault> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if text.trim().is_empty() {
@@ -84,7 +85,7 @@ fn parse(text: &str, name: Option<&str>) -> Result<Camera, CameraFault> {
     Ok(camera)
 }
 
-/// A camera of a file whose values have names.
+/// Reads a camera from a file with named values.
 fn keyed(fields: Fields, name: Option<&str>) -> Result<Camera, CameraFault> {
     if nerf::is(&fields) {
         nerf::read(fields)

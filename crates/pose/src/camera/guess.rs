@@ -1,18 +1,18 @@
-//! A camera without calibration: a pinhole from what a photo's EXIF data says about its lens.
+//! Cameras without calibration: a pinhole guessed from a photo's EXIF data about its lens.
 
 use std::ops::RangeInclusive;
 
 use super::Camera;
 use scaleproof_photo::photo::Lens;
 
-/// How far a guessed focal length may be off.
+/// Uncertainty of a guessed focal length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Guess {
-    /// The true focal length lies within plus or minus so many percent.
+    /// Bound of the error: the true focal length lies within ± this many percent.
     pub focal_percent: f64,
 }
 
-/// Why no camera can be guessed.
+/// Reason why no camera can be guessed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum GuessError {
     #[error(
@@ -52,38 +52,38 @@ pub enum GuessError {
     FieldOfView { deg: f64 },
 }
 
-/// The longer side of a sensor: medium format has 53.9 mm, the front cameras of phones 1.4 mm (1/10 inch).
+/// Limits of a sensor's longer side: medium format has 53.9 mm, the front cameras of phones 1.4 mm (1/10 inch).
 const MOST_SENSOR_MM: f64 = 60.0;
 const LEAST_SENSOR_MM: f64 = 1.4;
-/// Cameras that state how dense their pixels are have 1/4 inch (3.2 mm) or more, and only that statement goes wrong when an editor makes a photo smaller.
+/// Least longer side where EXIF states the pixel density: such cameras have 1/4 inch (3.2 mm) or more, and only that statement goes wrong when an
+/// editor makes a photo smaller.
 const LEAST_PITCHED_MM: f64 = 3.0;
-/// Fields of view over the diagonal, from a telescope's (2400 mm on 36 × 24 mm) to a fisheye's, which no pinhole has.
+/// Diagonal fields of view, from a telescope's (2400 mm on 36 × 24 mm) to a fisheye's, which no pinhole has.
 const VIEW_DEG: RangeInclusive<f64> = 1.0..=160.0;
-/// Longer by shorter side of what cameras take: 1:1, 8:7, 5:4, 4:3, 3:2, 16:10, 16:9; and the range of phones' whole screens.
+/// Aspect ratios (longer by shorter side) of cameras: 1:1, 8:7, 5:4, 4:3, 3:2, 16:10, 16:9; and the range of phones' whole screens.
 const SHAPES: [f64; 7] = [1.0, 8.0 / 7.0, 5.0 / 4.0, 4.0 / 3.0, 3.0 / 2.0, 16.0 / 10.0, 16.0 / 9.0];
 const SCREENS: RangeInclusive<f64> = 1.85..=2.4;
-/// The shapes of whole sensors, from the least; others are mostly cut from the first.
+/// Aspect ratios of whole sensors, ascending; images of other ratios are mostly cropped from the first.
 const SENSOR_SHAPES: [f64; 2] = [4.0 / 3.0, 3.0 / 2.0];
-/// Makers state a lens by a nominal focal length. An iPhone 4S says 35 mm for 33.8 (36 mm by its longer side): 2 % beyond the rounding.
+/// Error of a nominal focal length, percent. An iPhone 4S says 35 mm for 33.8 (36 mm by its longer side): 2 % beyond the rounding.
 const NOMINAL_PERCENT: f64 = 2.0;
 
-/// Measured on synthetic views: a focal length 5 % off moves the azimuth by 0.23° in the
-/// median, and distances by 4.2 %.
+/// Effect of a focal length error, measured on synthetic views: 5 % move the azimuth by 0.23° in the median, and distances by 4.2 %.
 const AZIMUTH_DEG_PER_PERCENT: f64 = 0.23 / 5.0;
 const DISTANCE_PERCENT_PER_PERCENT: f64 = 4.2 / 5.0;
 
 impl Guess {
-    /// What the guess does to azimuths, in degrees (median).
+    /// Returns the expected error of azimuths, in degrees (median).
     pub fn azimuth_deg(&self) -> f64 {
         self.focal_percent * AZIMUTH_DEG_PER_PERCENT
     }
 
-    /// What the guess does to distances, in percent.
+    /// Returns the expected error of distances, in percent.
     pub fn distance_percent(&self) -> f64 {
         self.focal_percent * DISTANCE_PERCENT_PER_PERCENT
     }
 
-    /// What to know before believing a pose made with a guessed camera.
+    /// Returns the caution that applies to a pose made with a guessed camera.
     pub fn caution(&self) -> String {
         format!(
             "the camera is guessed from EXIF: distances ± {:.1} %, azimuths about {:.2}° off; calibrate for better ones",
@@ -97,10 +97,10 @@ impl Guess {
 type Focal = (f64, f64);
 
 impl Camera {
-    /// A pinhole for an upright photo of a size in pixels: square pixels, the principal point in the middle, the focal
-    /// length from EXIF with a bound. Refuses EXIF data that lack it or contradict themselves.
+    /// Guesses a pinhole for an upright photo of a size in pixels: square pixels, the principal point in the middle, the focal length from EXIF with
+    /// a bound. Returns an error if the EXIF data lack it or contradict themselves.
     pub fn guessed(width: u32, height: u32, lens: &Lens) -> Result<Camera, GuessError> {
-        // EXIF: 0 or nothing where no digital zoom was used. Phones crop by a few percent for stabilisation.
+        // EXIF has 0 or no entry if no digital zoom was used. Phones crop by a few percent for stabilisation.
         let zoom = lens.digital_zoom.filter(|ratio| *ratio > 0.0).unwrap_or(1.0);
         if !(0.9..=1.1).contains(&zoom) {
             return Err(GuessError::DigitalZoom { ratio: zoom });
@@ -136,12 +136,12 @@ impl Camera {
     }
 }
 
-/// How much smaller the photo is than what the camera recorded; 1 when EXIF does not say.
+/// Returns the scale of the photo relative to the image that the camera recorded; 1 if EXIF does not say.
 fn resized(width: u32, height: u32, lens: &Lens) -> Result<f64, GuessError> {
     let Some((recorded_width, recorded_height)) = lens.recorded_px.filter(|(w, h)| *w > 0 && *h > 0) else {
         return Ok(1.0);
     };
-    // EXIF counts as recorded, and some writers as upright; only the larger and the smaller side are compared.
+    // EXIF gives the recorded orientation, some writers the upright one; so only the larger and the smaller side are compared.
     let (long, short) = (recorded_width.max(recorded_height), recorded_width.min(recorded_height));
     let recorded = Camera::pinhole(long, short, 1.0, 1.0, 0.0, 0.0);
     let larger = width.max(height);
@@ -155,14 +155,15 @@ fn resized(width: u32, height: u32, lens: &Lens) -> Result<f64, GuessError> {
     Ok(f64::from(larger) / f64::from(long))
 }
 
-/// Refuses a photo of a shape that is cut or stitched.
+/// Returns an error for a photo whose aspect ratio suggests cropping or stitching.
 fn check_shape(width: u32, height: u32) -> Result<(), GuessError> {
     let by_shorter = f64::from(width.max(height)) / f64::from(width.min(height)).max(1.0);
     let is_likely = SCREENS.contains(&by_shorter) || is_shaped(width, height, &SHAPES);
     is_likely.then_some(()).ok_or(GuessError::Shape { width, height })
 }
 
-/// Refuses a focal length that in mm and in px makes a sensor as no camera has: by the pixels' pitch where EXIF has it, else by the 35 mm equivalent.
+/// Returns an error if the focal length in mm and in px imply a sensor size that no camera has: by the pixel pitch if EXIF has it, else by the 35 mm
+/// equivalent.
 fn check_sensor(
     longer_px: u32,
     lens: &Lens,
@@ -179,20 +180,20 @@ fn check_sensor(
     is_likely.then_some(()).ok_or(GuessError::Sensor { mm, least_mm })
 }
 
-/// Whether the sides are in one of these proportions, within 1 % and the rounding to whole pixels.
+/// Returns true if the sides are in one of these proportions, within 1 % and the rounding to whole pixels.
 fn is_shaped(width: u32, height: u32, shapes: &[f64]) -> bool {
     let (long, short) = (f64::from(width.max(height)), f64::from(width.min(height)));
     let fits = |shape: &f64| (long / (short * shape) - 1.0).abs() <= 0.01 + 1.0 / short;
     shapes.iter().any(fits)
 }
 
-/// From the 35 mm equivalent: the focal length that would see as much on a frame of 36 × 24 mm.
+/// Estimates the focal length from its 35 mm equivalent: the one with the same field of view on a frame of 36 × 24 mm.
 ///
-/// CIPA DCG-001 compares diagonals; some makers compare long sides instead. Photos of another shape than a sensor's, as phones' 16:9, are mostly cut
-/// from one of 4:3, whose diagonal the equivalent then goes by. The estimate is that by the sensor's diagonal; how far the other readings lie from
-/// it counts as uncertainty, beside the rounding to whole millimetres and what makers call nominal.
+/// CIPA DCG-001 compares diagonals; some makers compare long sides instead. Photos of another shape than a sensor's, as phones' 16:9, are mostly
+/// cropped from 4:3, and the equivalent then refers to the diagonal of the whole sensor. The estimate uses the sensor's diagonal; its distance from
+/// the other readings counts as uncertainty, beside the rounding to whole millimetres and the error of nominal values.
 fn from_35_mm(width: u32, height: u32, lens: &Lens) -> Option<Focal> {
-    // Cameras are known that write tens of thousands here.
+    // Some cameras write tens of thousands here.
     let equivalent_mm = lens.equivalent_35_mm.filter(|f| (5.0..=1500.0).contains(f))?;
     let (long, short) = (f64::from(width.max(height)), f64::from(width.min(height)));
     let sensor = if is_shaped(width, height, &SENSOR_SHAPES) {
@@ -211,7 +212,7 @@ fn from_35_mm(width: u32, height: u32, lens: &Lens) -> Option<Focal> {
     Some((px, rounding + furthest * 100.0 + NOMINAL_PERCENT + focus_percent(lens)))
 }
 
-/// From the focal length in mm and the pixels per mm of the sensor.
+/// Estimates the focal length in px from the focal length in mm and the pixels per mm of the sensor.
 fn from_sensor(resized: f64, lens: &Lens) -> Option<Focal> {
     let (focal_mm, px_per_mm) = (lens.focal_mm?, lens.sensor_px_per_mm?);
     // Sensors have pixels of 0.5 to 20 µm.
@@ -222,8 +223,8 @@ fn from_sensor(resized: f64, lens: &Lens) -> Option<Focal> {
     Some((focal_mm * px_per_mm * resized, percent))
 }
 
-/// A lens that focuses near moves away from the sensor: at distance d by f / (d − f) of its focal length (thin lens), here
-/// at half a metre. Without the focal length in mm, that of a phone's main camera is taken.
+/// Returns the growth of the image distance by focusing, percent: f / (d − f) of the focal length (thin lens), at d = 0.5 m. Without a focal length
+/// in mm, that of a phone's main camera is assumed.
 fn focus_percent(lens: &Lens) -> f64 {
     const NEAR_MM: f64 = 500.0;
     let focal_mm = lens.focal_mm.unwrap_or(7.0).clamp(1.0, NEAR_MM / 2.0);

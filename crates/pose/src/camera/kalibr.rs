@@ -6,15 +6,15 @@ use super::chosen::chosen;
 use super::fields::Fields;
 use super::{Camera, CameraFault, yaml};
 
-/// Either of them is in every camera of such a file.
+/// Keys of which every camera of such a file has at least one.
 const OWN: [&str; 2] = ["intrinsics", "distortion_coeffs"];
 
-/// Whether a file is one: of one camera, or of several by name.
+/// Returns true if the top level of the file is a single camera.
 pub(super) fn is_one(fields: &Fields) -> bool {
     OWN.iter().any(|name| fields.has(name))
 }
 
-/// The only camera of a file, or the one with a name.
+/// Reads the only camera of a camchain, or the one with the given name.
 pub(super) fn read_chain(fields: Fields, name: Option<&str>) -> Result<Camera, CameraFault> {
     let cameras = fields.called("a Kalibr camchain").tables_with(&OWN);
     if cameras.is_empty() {
@@ -24,7 +24,7 @@ pub(super) fn read_chain(fields: Fields, name: Option<&str>) -> Result<Camera, C
     read_one(camera, &name)
 }
 
-/// A camera of a chain, or a file of one, as EuRoC's `sensor.yaml`; where it stands does not matter here.
+/// Reads one camera of a camchain, or a file of a single one, as EuRoC's `sensor.yaml`; its extrinsics are ignored.
 pub(super) fn read_one(fields: Fields, name: &str) -> Result<Camera, CameraFault> {
     let fields = fields.called("a Kalibr or EuRoC camera");
     let unsupported = |key, model: &str| CameraFault::KalibrModel {
@@ -41,7 +41,7 @@ pub(super) fn read_one(fields: Fields, name: &str) -> Result<Camera, CameraFault
         return Err(unsupported("camera_model", &camera_model));
     }
     let count = match distortion_model.as_str() {
-        // Kalibr's word, and EuRoC's.
+        // Names used by Kalibr and EuRoC.
         "radtan" | "radial-tangential" | "equidistant" => 4,
         "none" => 0,
         other => return Err(unsupported("distortion_model", other)),

@@ -1,5 +1,5 @@
-//! Files that hold a camera as matrices: OpenCV's FileStorage, with the keys of OpenCV's calibration program; ROS's `camera_info`, as a file or as
-//! its messages are printed; and what Python scripts dump after calibrating with OpenCV.
+//! Camera files with matrices: OpenCV's FileStorage, with the keys of OpenCV's calibration program; ROS's `camera_info`, as a file or as printed
+//! messages; and dumps of Python scripts that calibrate with OpenCV.
 //!
 //! Sources: OpenCV documentation, "Camera calibration with OpenCV" and "File Input and Output using XML and YAML files"; ROS documentation of
 //! `camera_calibration_parsers` (keys) and `sensor_msgs/CameraInfo` (models, matrices).
@@ -7,9 +7,9 @@
 use super::fields::Fields;
 use super::{Camera, CameraFault, yaml};
 
-/// What writers call the camera matrix: OpenCV, ROS's messages, and scripts around OpenCV.
+/// Names of the camera matrix in files of OpenCV, ROS messages, and scripts around OpenCV.
 pub(super) const MATRIX: [&str; 5] = ["camera_matrix", "K", "mtx", "intrinsic_matrix", "camera_intrinsics"];
-/// What the same writers call the distortion coefficients.
+/// Names of the distortion coefficients in the same files.
 const COEFFICIENTS: [&str; 6] = [
     "distortion_coefficients",
     "dist_coeffs",
@@ -19,8 +19,8 @@ const COEFFICIENTS: [&str; 6] = [
     "distortion",
 ];
 
-/// A camera file with a matrix. Keys that are not needed are passed over: date, flags and errors belong to the writers, and the rectification and
-/// projection of a single camera follow from the rest.
+/// Reads a camera file with a matrix. Other keys are ignored: date, flags and errors serve the writers, and the rectification and projection of a
+/// single camera follow from the rest.
 pub(super) fn read(fields: Fields) -> Result<Camera, CameraFault> {
     let model = fields.text("distortion_model").unwrap_or_default().to_owned();
     let is_of_ros = !model.is_empty();
@@ -32,7 +32,7 @@ pub(super) fn read(fields: Fields) -> Result<Camera, CameraFault> {
     let limit = match model.as_str() {
         "" | "rational_polynomial" => 8,
         "plumb_bob" => 5,
-        // The name of ROS's own calibration program, and that of others.
+        // "equidistant" is the name of ROS's own calibration program, "fisheye" that of others.
         "equidistant" | "fisheye" => return fisheye(&fields),
         _ => return Err(CameraFault::RosModel(model)),
     };
@@ -40,7 +40,7 @@ pub(super) fn read(fields: Fields) -> Result<Camera, CameraFault> {
         return fisheye(&fields);
     }
     let (pinhole, coefficients) = parts(&fields)?;
-    // k1 k2 p1 p2 (k3 (k4 k5 k6 (s1 s2 s3 s4 (τx τy)))); none at all where there is no distortion.
+    // k1 k2 p1 p2 (k3 (k4 k5 k6 (s1 s2 s3 s4 (τx τy)))); an empty list means no distortion.
     if ![0, 4, 5, 8, 12, 14].contains(&coefficients.len()) {
         return Err(CameraFault::CoefficientCount(coefficients.len()));
     }
@@ -55,7 +55,7 @@ pub(super) fn read(fields: Fields) -> Result<Camera, CameraFault> {
     Ok(pinhole.with_distortion(known))
 }
 
-/// The camera without its coefficients, and these.
+/// Returns the camera without distortion, and its coefficients.
 fn parts(fields: &Fields) -> Result<(Camera, Vec<f64>), CameraFault> {
     let [width, height] = fields.size()?;
     let matrix = fields.numbers(&MATRIX)?.unwrap_or_default();
@@ -75,7 +75,7 @@ fn fisheye(fields: &Fields) -> Result<Camera, CameraFault> {
     Ok(pinhole.with_fisheye(four?))
 }
 
-/// The numbers of the camera matrix, row by row.
+/// Returns the camera matrix, row by row.
 fn camera_matrix(camera: &Camera) -> [f64; 9] {
     [camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0]
 }
@@ -86,7 +86,7 @@ pub(super) fn write_opencv(camera: &Camera) -> String {
         format!("{name}: !!opencv-matrix\n   rows: {rows}\n   cols: {cols}\n   dt: d\n   data: [ {data} ]\n")
     };
     let coefficients = camera.needed_coefficients(&[5, 8]);
-    // OpenCV's calibration program writes this key; 0 is what readers take without it.
+    // OpenCV's calibration program writes this key; readers assume 0 if it is missing.
     let fisheye = if camera.is_fisheye() { "fisheye_model: 1\n" } else { "" };
     format!(
         "%YAML:1.0\n---\n{}image_width: {}\nimage_height: {}\n{fisheye}{}{}",

@@ -1,4 +1,4 @@
-//! The camera: pinhole and Brown–Conrady distortion, or a fisheye, in OpenCV's conventions.
+//! Camera models in OpenCV's conventions: pinhole with Brown–Conrady distortion, or fisheye.
 
 mod chosen;
 mod colmap;
@@ -23,7 +23,7 @@ pub use fit::{FittedCamera, SizeError};
 pub use format::CameraFormat;
 pub use guess::{Guess, GuessError};
 
-/// Why a camera file was refused.
+/// Reason why a camera file was refused.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CameraError {
@@ -40,22 +40,22 @@ pub struct Camera {
     pub width: u32,
     /// Height of the image, px.
     pub height: u32,
-    /// Focal length across the image, px.
+    /// Horizontal focal length, px.
     pub fx: f64,
-    /// Focal length down the image, px.
+    /// Vertical focal length, px.
     pub fy: f64,
     /// Principal point, px from the centre of the left-most pixels.
     pub cx: f64,
     /// Principal point, px from the centre of the top-most pixels.
     pub cy: f64,
     distortion: Distortion,
-    /// Present when the focal length was guessed instead of measured.
+    /// Uncertainty of the focal length, if it was guessed instead of measured.
     pub guess: Option<Guess>,
-    /// One standard deviation of fx, fy, cx, cy in pixels, where a calibration knows it.
+    /// Standard deviations of fx, fy, cx, cy in pixels, if the calibration has them.
     pub sigma_px: Option<[f64; 4]>,
 }
 
-/// How a lens departs from a pinhole, and so what its coefficients mean.
+/// Distortion model of a lens, which defines the meaning of its coefficients.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DistortionModel {
     /// OpenCV's rational model (OpenCV documentation, "Camera Calibration and 3D Reconstruction").
@@ -74,17 +74,17 @@ impl DistortionModel {
     }
 }
 
-/// A model and its coefficients in the order of [`DistortionModel::names`]; those that the model does not have are 0.
+/// Distortion model and its coefficients in the order of [`DistortionModel::names`]; unused entries are 0.
 #[derive(Debug, Clone, PartialEq)]
 struct Distortion {
     model: DistortionModel,
     coefficients: [f64; 8],
-    /// Distance from the optical axis, at depth 1, up to which a longer radius still lands further out.
+    /// Largest distance from the optical axis, at depth 1, up to which the distorted radius grows with the undistorted one.
     valid_radius: f64,
 }
 
 impl Camera {
-    /// A camera without distortion. Focal length and principal point in pixels.
+    /// Returns a camera without distortion. Focal length and principal point in pixels.
     pub fn pinhole(width: u32, height: u32, fx: f64, fy: f64, cx: f64, cy: f64) -> Camera {
         Camera {
             width,
@@ -99,14 +99,14 @@ impl Camera {
         }
     }
 
-    /// The camera with other coefficients of its distortion model, in OpenCV's order; missing ones are 0, and those that the model does not have
-    /// are left out. A fisheye stays one: without coefficients it is the ideal equidistant lens.
+    /// Returns the camera with other coefficients of its distortion model, in OpenCV's order; missing ones are 0, surplus ones are ignored. A fisheye
+    /// stays a fisheye: without coefficients it is the ideal equidistant lens.
     pub fn with_distortion(self, coefficients: &[f64]) -> Camera {
         let model = self.distortion.model;
         self.with_model(model, coefficients)
     }
 
-    /// The camera as a fisheye with these coefficients k1, k2, k3, k4 ([`DistortionModel::Fisheye`]).
+    /// Returns the camera as a fisheye with the coefficients k1, k2, k3, k4 ([`DistortionModel::Fisheye`]).
     pub fn with_fisheye(self, coefficients: [f64; 4]) -> Camera {
         self.with_model(DistortionModel::Fisheye, &coefficients)
     }
@@ -121,29 +121,29 @@ impl Camera {
         }
     }
 
-    /// What [`Camera::distortion`] are coefficients of.
+    /// Returns the model that the coefficients of [`Camera::distortion`] belong to.
     pub fn distortion_model(&self) -> DistortionModel {
         self.distortion.model
     }
 
-    /// The coefficients in the order of [`DistortionModel::names`]: eight, or four of a fisheye.
+    /// Returns the coefficients in the order of [`DistortionModel::names`]: eight, or four of a fisheye.
     pub fn distortion(&self) -> &[f64] {
         &self.distortion.coefficients[..self.distortion.model.names().len()]
     }
 
-    /// True for [`DistortionModel::Fisheye`].
+    /// Returns true for [`DistortionModel::Fisheye`].
     pub fn is_fisheye(&self) -> bool {
         self.distortion.model == DistortionModel::Fisheye
     }
 
-    /// The first coefficients, in the smallest of some numbers (ascending) that leaves out none but zeros.
+    /// Returns the leading coefficients, as many as the smallest of `counts` (ascending) that drops only zeros.
     fn needed_coefficients(&self, counts: &[usize]) -> &[f64] {
         let all = self.distortion();
         let enough = counts.iter().find(|n| all.iter().skip(**n).all(|v| *v == 0.0));
         &all[..enough.map_or(all.len(), |n| all.len().min(*n))]
     }
 
-    /// Refuses numbers that no camera has: a file of something else, or one whose decimal commas became list commas.
+    /// Returns an error for implausible numbers: a file of something else, or one whose decimal commas became list commas.
     fn check(&self) -> Result<(), CameraFault> {
         let &Camera {
             width, height, fx, fy, ..
@@ -153,7 +153,7 @@ impl Camera {
         }
         let (cx, cy, width, height) = (self.cx, self.cy, f64::from(width), f64::from(height));
         let larger = width.max(height);
-        // 169 to 0.6 degrees across.
+        // Focal lengths of a field of view of 169 to 0.6 degrees.
         let (least, most) = (0.05 * larger, 100.0 * larger);
         if [fx, fy].iter().any(|f| !(least..=most).contains(f)) {
             return Err(CameraFault::Focal { fx, fy, least, most });
@@ -167,7 +167,7 @@ impl Camera {
         odd.map_or(Ok(()), |k| Err(CameraFault::Coefficient(*k)))
     }
 
-    /// How wide the image looks, across and down, in degrees, without distortion: as a pinhole, or as the ideal equidistant fisheye.
+    /// Returns the horizontal and vertical field of view in degrees, without distortion: as a pinhole, or as the ideal equidistant fisheye.
     pub fn field_of_view_deg(&self) -> [f64; 2] {
         [(self.width, self.fx), (self.height, self.fy)].map(|(side, focal_px)| {
             let half = f64::from(side) / 2.0 / focal_px;
@@ -176,7 +176,7 @@ impl Camera {
         })
     }
 
-    /// The angle in degrees that one pixel covers at the centre of the image.
+    /// Returns the angle in degrees that one pixel covers at the centre of the image.
     pub fn deg_per_px(&self) -> f64 {
         (2.0 / (self.fx + self.fy)).atan().to_degrees()
     }

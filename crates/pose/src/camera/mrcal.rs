@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use super::{Camera, CameraFault, yaml};
 
-/// The keys we need; where the camera stood and what it was calibrated from are passed over.
+/// Required keys of the file; extrinsics and calibration inputs are ignored.
 #[derive(Deserialize)]
 struct MrcalFile {
     lensmodel: String,
@@ -17,7 +17,7 @@ struct MrcalFile {
     imagersize: [u32; 2],
 }
 
-/// The models we know, with their numbers of coefficients.
+/// Supported models, with their numbers of coefficients.
 const MODELS: [(&str, usize); 4] = [
     ("LENSMODEL_PINHOLE", 0),
     ("LENSMODEL_OPENCV4", 4),
@@ -25,7 +25,7 @@ const MODELS: [(&str, usize); 4] = [
     ("LENSMODEL_OPENCV8", 8),
 ];
 
-/// Whether a text is one: a dictionary with a `lensmodel`.
+/// Returns true if the text is a dictionary with a `lensmodel`.
 pub(super) fn is(text: &str) -> bool {
     let lines = text.lines().filter(|line| !line.trim_start().starts_with('#'));
     let mut starts = lines.clone().map(str::trim_start).filter(|line| !line.is_empty());
@@ -49,7 +49,7 @@ pub(super) fn read(text: &str) -> Result<Camera, CameraFault> {
     Ok(Camera::pinhole(width, height, fx, fy, cx, cy).with_distortion(coefficients))
 }
 
-/// The dictionary as flow YAML: without comments, and with `''` for each `b'…'`, in which mrcal keeps its inputs.
+/// Converts the dictionary to flow YAML: without comments, and with `''` for each `b'…'`, in which mrcal keeps its inputs.
 fn without_bytes(text: &str) -> String {
     let (mut plain, mut rest) = (String::new(), text);
     while let Some(at) = rest.find(['#', '\'', '"']) {

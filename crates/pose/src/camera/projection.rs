@@ -1,4 +1,4 @@
-//! Projects points into the image, with the derivatives by point, pose and camera, and pixels back to viewing directions.
+//! Projection of points into the image, with derivatives by point, pose and camera, and of pixels back to viewing directions.
 //!
 //! OpenCV's pinhole with rational Brown–Conrady distortion (OpenCV documentation, "Camera Calibration and 3D Reconstruction"), or a fisheye
 //! (`fisheye.rs`).
@@ -8,32 +8,32 @@ use nalgebra::{Matrix2, Matrix2x3, Matrix2x6, Point3, SMatrix, Vector2};
 use super::{Camera, Distortion, DistortionModel, fisheye};
 use scaleproof_core::geometry::Rigid;
 
-/// How many numbers a camera has at most.
+/// Number of a camera's parameters, including unused coefficients.
 pub const PARAMETERS: usize = 12;
 
-/// The numbers of a camera, without the size of its image.
+/// Intrinsic parameters of a camera, without its image size.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameters {
     pub model: DistortionModel,
-    /// fx, fy, cx, cy (px), then the model's coefficients ([`DistortionModel::names`]); 0 where it has fewer than eight.
+    /// Values fx, fy, cx, cy (px), then the model's coefficients ([`DistortionModel::names`]); 0 for unused ones.
     pub values: [f64; PARAMETERS],
 }
 
-/// Newton steps; five are enough for lenses that are no fisheyes.
+/// Maximum number of Newton steps; five are enough for lenses other than fisheyes.
 const NEWTON_STEPS: usize = 50;
-/// A direction is found when it projects this close to the pixel.
+/// Convergence threshold: distance between the pixel and the projection of the found direction, px.
 const EXACT_PX: f64 = 1e-6;
 
 pub struct ProjectedPoint {
     pub pixel: [f64; 2],
-    /// By the point in the camera frame, px per mm.
+    /// Derivative by the point in the camera frame, px per mm.
     pub by_point: Matrix2x3<f64>,
-    /// By the camera's numbers, in the order of [`PARAMETERS`].
+    /// Derivative by the camera's parameters, in the order of [`Parameters::values`].
     pub by_camera: SMatrix<f64, 2, PARAMETERS>,
 }
 
-/// Projects a point of the camera frame by the formula alone: behind the camera, and where the distortion folds back on itself, it
-/// answers too. A fit passes through such cameras; everything else uses [`Camera::project`].
+/// Projects a point of the camera frame by the formula alone, also behind the camera and where the distortion is not invertible. For fits, which pass
+/// through such cameras; everything else uses [`Camera::project`].
 pub fn project_unchecked(parameters: &Parameters, p: &Point3<f64>) -> ProjectedPoint {
     let [fx, fy, cx, cy, k @ ..] = parameters.values;
     let [x, y] = [p.x / p.z, p.y / p.z];
@@ -56,8 +56,8 @@ pub fn project_unchecked(parameters: &Parameters, p: &Point3<f64>) -> ProjectedP
 }
 
 impl Camera {
-    /// The pixel of a point in the camera frame (mm, x right, y down, z forward). `None` behind the camera and where the
-    /// distortion model folds back on itself, since a pixel there would be a lie.
+    /// Projects a point in the camera frame (mm, x right, y down, z forward) to its pixel. `None` behind the camera and beyond the radius up to which
+    /// the distortion model is invertible.
     pub fn project(&self, p: &Point3<f64>) -> Option<[f64; 2]> {
         let [x, y] = self.at_depth_one(p)?;
         Some(self.pixel_of(match self.distortion.model {
@@ -66,8 +66,8 @@ impl Camera {
         }))
     }
 
-    /// The pixel of a point in the camera frame (mm), and its derivative by that point, px per mm. `None` where
-    /// [`Camera::project`] has no pixel.
+    /// Projects a point in the camera frame (mm) to its pixel, with the derivative by the point, px per mm. `None` where [`Camera::project`] has no
+    /// pixel.
     pub fn project_by_point(&self, p: &Point3<f64>) -> Option<([f64; 2], Matrix2x3<f64>)> {
         let xy = self.at_depth_one(p)?;
         let Distortion {
@@ -77,19 +77,19 @@ impl Camera {
         Some((self.pixel_of(distorted), by_point))
     }
 
-    /// The pixel of a point of frame x (mm) under the pose `T_camera_x`, and its derivative by a step of the pose
-    /// (`geometry::rigid::stepped`): columns ω (px per rad), υ (px per mm).
+    /// Projects a point of frame x (mm) under the pose `T_camera_x`, with the derivative by a step of the pose (`geometry::rigid::stepped`): columns
+    /// ω (px per rad), υ (px per mm).
     pub fn project_by_pose(&self, pose: &Rigid, point: &Point3<f64>) -> Option<([f64; 2], Matrix2x6<f64>)> {
         self.project_by_step(&(pose * point))
     }
 
-    /// The pixel of a point in the camera frame (mm), and its derivative by a step of the pose that brought the point there.
+    /// Projects a point in the camera frame (mm), with the derivative by a step of the pose that transformed the point to this frame.
     pub fn project_by_step(&self, p: &Point3<f64>) -> Option<([f64; 2], Matrix2x6<f64>)> {
         let (pixel, by_point) = self.project_by_point(p)?;
         Some((pixel, by_step(&by_point, p)))
     }
 
-    /// The camera's numbers.
+    /// Returns the camera's intrinsic parameters.
     pub fn parameters(&self) -> Parameters {
         let [k1, k2, p1, p2, k3, k4, k5, k6] = self.distortion.coefficients;
         Parameters {
@@ -98,7 +98,7 @@ impl Camera {
         }
     }
 
-    /// The camera of these numbers for images of a width and a height, px.
+    /// Returns the camera with these parameters for images of a width and a height, px.
     pub fn from_parameters((width, height): (u32, u32), parameters: &Parameters) -> Camera {
         let [fx, fy, cx, cy, k @ ..] = parameters.values;
         Camera {
@@ -107,17 +107,17 @@ impl Camera {
         }
     }
 
-    /// The camera without its lens's distortion: it shows what this one shows at a pixel at [`Camera::pixel_of`] of [`Camera::point_at`].
+    /// Returns the camera without lens distortion; [`Camera::pixel_of`] of [`Camera::point_at`] maps this camera's pixels to its pixels.
     pub(crate) fn straight(&self) -> Camera {
         Camera::pinhole(self.width, self.height, self.fx, self.fy, self.cx, self.cy)
     }
 
-    /// The widest distance from the optical axis, at depth 1, at which [`Camera::project`] answers.
+    /// Returns the largest distance from the optical axis, at depth 1, at which [`Camera::project`] has a pixel.
     pub fn widest_radius(&self) -> f64 {
         self.distortion.valid_radius
     }
 
-    /// The point at depth 1 that a pixel shows, by Newton's method from the pinhole's answer; `None` where the lens model ends.
+    /// Returns the point at depth 1 that a pixel shows, by Newton's method from the pinhole's solution; `None` beyond the lens model's range.
     pub fn point_at(&self, pixel: [f64; 2]) -> Option<[f64; 2]> {
         let target = Vector2::new((pixel[0] - self.cx) / self.fx, (pixel[1] - self.cy) / self.fy);
         let coefficients = &self.distortion.coefficients;
@@ -126,7 +126,7 @@ impl Camera {
         }
         let mut found = target;
         for _ in 0..NEWTON_STEPS {
-            // What lies beyond the lens model is brought back to its edge.
+            // An iterate beyond the lens model's range is moved back to its edge.
             let radius = found.norm();
             if radius > self.widest_radius() {
                 found *= 0.999 * self.widest_radius() / radius;
@@ -141,19 +141,19 @@ impl Camera {
         None
     }
 
-    /// A point's normalised coordinates where the lens model holds.
+    /// Returns a point's normalised coordinates; `None` behind the camera and beyond the lens model's range.
     fn at_depth_one(&self, p: &Point3<f64>) -> Option<[f64; 2]> {
         let (x, y, widest) = (p.x / p.z, p.y / p.z, self.widest_radius());
         (p.z > 0.0 && x * x + y * y <= widest * widest).then_some([x, y])
     }
 
-    /// The pixel of undistorted coordinates at depth 1.
+    /// Returns the pixel of distorted coordinates at depth 1.
     pub(crate) fn pixel_of(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [self.fx * x + self.cx, self.fy * y + self.cy]
     }
 }
 
-/// The derivative of a pixel by a step of the pose, from that by the point `p` of the camera frame.
+/// Returns the derivative of a pixel by a step of the pose, from the derivative by the point `p` of the camera frame.
 pub fn by_step(by_point: &Matrix2x3<f64>, p: &Point3<f64>) -> Matrix2x6<f64> {
     let [u, v] = [0, 1].map(|row| [by_point[(row, 0)], by_point[(row, 1)], by_point[(row, 2)]]);
     // The point moves by ω × p: each row of the derivative by ω is p × row.
@@ -162,7 +162,7 @@ pub fn by_step(by_point: &Matrix2x3<f64>, p: &Point3<f64>) -> Matrix2x6<f64> {
     Matrix2x6::new(a, b, c, u[0], u[1], u[2], d, e, f, v[0], v[1], v[2])
 }
 
-/// Where a point, of which x and y are the coordinates at depth 1, lands in focal lengths from the principal point, and the derivative of its
+/// Distorts a point with the normalised coordinates x and y; returns its image in focal lengths from the principal point, and the derivative of its
 /// pixel by the point.
 fn project_at_focal(
     model: DistortionModel,
@@ -191,7 +191,7 @@ fn by_point([fx, fy]: [f64; 2], [x, y]: [f64; 2], z: f64, by_xy: &Matrix2<f64>) 
     Matrix2x3::new(ux, uy, -(ux * x + uy * y), vx, vy, -(vx * x + vy * y)) * z.recip()
 }
 
-/// Distorts normalised coordinates (depth 1); with the derivative by them.
+/// Distorts normalised coordinates (depth 1); returns the result and its derivative by them.
 fn distort(k: &[f64; 8], x: f64, y: f64) -> ([f64; 2], Matrix2<f64>) {
     let [k1, k2, p1, p2, k3, k4, k5, k6] = *k;
     let r2 = x * x + y * y;
@@ -216,7 +216,7 @@ fn distort(k: &[f64; 8], x: f64, y: f64) -> ([f64; 2], Matrix2<f64>) {
     (distorted, by_xy)
 }
 
-/// The derivatives of the distorted coordinates by k1, k2, p1, p2, k3, k4, k5, k6.
+/// Returns the derivatives of the distorted coordinates by k1, k2, p1, p2, k3, k4, k5, k6.
 fn distortion_by_coefficients(k: &[f64; 8], x: f64, y: f64) -> [[f64; 2]; 8] {
     let r2 = x * x + y * y;
     let (above, below) = radial_terms(k, r2);
@@ -234,7 +234,7 @@ fn distortion_by_coefficients(k: &[f64; 8], x: f64, y: f64) -> [[f64; 2]; 8] {
     ]
 }
 
-/// Numerator and denominator of the radial distortion.
+/// Returns numerator and denominator of the radial distortion.
 fn radial_terms([k1, k2, _, _, k3, k4, k5, k6]: &[f64; 8], r2: f64) -> (f64, f64) {
     (
         1.0 + r2 * (k1 + r2 * (k2 + r2 * k3)),
@@ -242,7 +242,7 @@ fn radial_terms([k1, k2, _, _, k3, k4, k5, k6]: &[f64; 8], r2: f64) -> (f64, f64
     )
 }
 
-/// The first radius at which the distorted radius of Brown–Conrady stops growing, searched up to 80° off the axis.
+/// Returns the first radius at which the distorted radius of Brown–Conrady stops growing, searched up to 80° off the axis.
 pub(super) fn valid_radius(coefficients: &[f64; 8]) -> f64 {
     const STEP: f64 = 0.01;
     let furthest = 80f64.to_radians().tan();

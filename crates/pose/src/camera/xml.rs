@@ -34,7 +34,7 @@ pub(super) fn read(text: &str) -> Result<Camera, CameraFault> {
     matrix_yaml::read(Fields::new("", children(root)))
 }
 
-/// The elements of an element of FileStorage, by name; matrices have elements of their own, and nothing that is read lies deeper.
+/// Returns the child elements of a FileStorage element, by name; only matrices have children of their own, one level deep.
 fn children(of: Node) -> BTreeMap<String, Value> {
     let value = |node: Node| match inner(node).next() {
         None => leaf(node),
@@ -51,7 +51,7 @@ fn named(node: Node, value: impl Fn(Node) -> Value) -> (String, Value) {
     (node.tag_name().name().to_owned(), value(node))
 }
 
-/// One word, or a list of them.
+/// Reads an element's text as one word, or a list of words.
 fn leaf(node: Node) -> Value {
     let words = node.text().unwrap_or_default().split_whitespace();
     let mut words: Vec<Value> = words.map(|word| Value::Text(word.to_owned())).collect();

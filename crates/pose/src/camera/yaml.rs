@@ -1,5 +1,5 @@
-//! What the YAML formats share: parsing with a one-line reason, numbers that every reader takes;
-//! and what no format has a place for, in comments that every format allows: that a camera is a guess, and standard deviations.
+//! Shared parts of the YAML formats: parsing with a one-line reason, numbers that every reader accepts, and comments for values without a field in
+//! any format: the bound of a guessed focal length, and standard deviations.
 
 use serde::de::DeserializeOwned;
 use serde_saphyr::NonFiniteFloatPolicy;
@@ -9,10 +9,10 @@ use super::{Camera, CameraFault, Guess};
 const GUESS: &str = "# scaleproof: focal length guessed from EXIF, within percent: ";
 const SIGMA: &str = "# scaleproof: standard deviations of fx, fy, cx, cy in px: ";
 
-/// Tags of OpenCV's matrices and Python's tuples, which only these know.
+/// Type tags of OpenCV's matrices and Python's tuples, which other parsers do not know.
 const TAGS: [&str; 3] = ["!!opencv-nd-matrix", "!!opencv-matrix", "!!python/tuple"];
 
-/// Parses YAML; the reason of a refusal is one line. OpenCV's `%YAML:1.0`, which is no YAML directive, and [`TAGS`] are passed over. Of several
+/// Parses YAML; the reason of a refusal is one line. OpenCV's `%YAML:1.0`, which is not a YAML directive, and [`TAGS`] are skipped. Of several
 /// documents, as ROS prints its messages, the first is read.
 pub(super) fn parse<T: DeserializeOwned>(text: &str, what: &'static str) -> Result<T, CameraFault> {
     let body = match text.split_once('\n') {
@@ -22,10 +22,10 @@ pub(super) fn parse<T: DeserializeOwned>(text: &str, what: &'static str) -> Resu
     let body = TAGS
         .iter()
         .fold(first_document(body).to_owned(), |body, tag| body.replace(tag, ""));
-    // A figure that nobody reads may be `.nan`.
+    // A value that is not used may be `.nan`.
     let options = serde_saphyr::options! { non_finite_float_policy: NonFiniteFloatPolicy::PassThrough };
     serde_saphyr::from_str_with_options(&body, options).map_err(|e| {
-        // The first line of what the parser says, without its own "error: line …" frame.
+        // The first line of the parser's message, without its "error: line …" prefix.
         let reason = e.to_string();
         let line = reason.lines().next().unwrap_or_default();
         let behind_place = line.split_once("column ").map(|(_, rest)| rest);
@@ -37,7 +37,7 @@ pub(super) fn parse<T: DeserializeOwned>(text: &str, what: &'static str) -> Resu
     })
 }
 
-/// What stands before the line of dashes that ends a document; one may also begin it.
+/// Returns the text before the line of dashes that ends the first document; such a line may also begin it.
 fn first_document(text: &str) -> &str {
     let mut has_content = false;
     let mut at = 0;
@@ -52,8 +52,8 @@ fn first_document(text: &str) -> &str {
     text
 }
 
-/// Numbers between commas. Each reads back as the same value, and has a point and a signed exponent: without them YAML 1.1
-/// readers (PyYAML, behind ROS and Kalibr) take 1e-7 for a word.
+/// Formats numbers separated by commas. Each reads back as the same value, and has a point and a signed exponent: without them YAML 1.1 readers
+/// (PyYAML, behind ROS and Kalibr) take 1e-7 for a word.
 pub fn list(numbers: &[f64]) -> String {
     numbers.iter().map(|v| number(*v)).collect::<Vec<_>>().join(", ")
 }
@@ -68,7 +68,7 @@ fn number(value: f64) -> String {
     format!("{mantissa}{point}e{sign}{exponent}")
 }
 
-/// The comment lines of a camera, each with its line end; none when there is nothing to say.
+/// Returns the comment lines of a camera, each with its line end; empty if there are none.
 pub(super) fn write_marks(camera: &Camera) -> String {
     let guess = camera.guess.map(|guess| (GUESS, list(&[guess.focal_percent])));
     let sigma = camera.sigma_px.map(|sigma| (SIGMA, list(&sigma)));
@@ -76,8 +76,8 @@ pub(super) fn write_marks(camera: &Camera) -> String {
     lines.map(|(mark, numbers)| format!("{mark}{numbers}\n")).collect()
 }
 
-/// The camera with what the comments of its file say. A mark whose number was spoilt is refused: without it a guess would
-/// pass for a calibration.
+/// Returns the camera with the values from its file's comments. Returns an error for a comment with an invalid number: without it a guess would pass
+/// for a calibration.
 pub(super) fn read_marks(text: &str, camera: Camera) -> Result<Camera, CameraFault> {
     let guess = marked::<1>(text, GUESS)?.map(|[focal_percent]| Guess { focal_percent });
     Ok(Camera {

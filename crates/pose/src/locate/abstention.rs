@@ -1,10 +1,10 @@
-//! Why a photo gets no pose.
+//! Reasons why a photo gets no pose.
 
 use super::lone_tag::LoneTag;
 use crate::camera::SizeError;
 use scaleproof_core::spelling::list;
 
-/// Why a photo got no pose. Each variant is a sentence a photographer can act on.
+/// Reason why a photo got no pose. Each variant is a sentence a photographer can act on.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Abstention {
@@ -82,12 +82,12 @@ pub enum Abstention {
 }
 
 impl Abstention {
-    /// Whether tags disagree with each other, the scene or the camera, rather than being too few.
+    /// Returns true if tags disagree with each other, the scene or the camera, rather than being too few.
     pub fn is_disagreement(&self) -> bool {
         self.code() == "high_residual"
     }
 
-    /// What a lone tag leaves open, where that is the reason.
+    /// Returns the poses and bins that a lone tag leaves open, if that is the reason.
     pub fn lone(&self) -> Option<&LoneTag> {
         use Abstention::{OneTagAmbiguous, OneTagDegenerate, OneTagFrontal};
         match self {
@@ -96,7 +96,7 @@ impl Abstention {
         }
     }
 
-    /// A stable name for programs.
+    /// Returns a stable name for programs.
     pub fn code(&self) -> &'static str {
         match self {
             Abstention::NoTags => "no_tags",

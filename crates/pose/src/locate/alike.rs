@@ -1,4 +1,4 @@
-//! Photos that fail alike: the cause, said once, instead of a line for each.
+//! Common cause of many photos' failures, reported once instead of a line for each.
 
 use std::path::{Path, PathBuf};
 
@@ -11,13 +11,13 @@ use crate::scene::{Scene, TagFamily};
 use crate::tags::{SeenTag, TagDetector, TagDetectorChoice};
 use scaleproof_photo::photo::Photo;
 
-/// Fewer photos that fail are listed one by one: that is read as fast.
+/// Largest number of failed photos that are listed one by one, without a common cause.
 pub const MOST_LISTED: usize = 3;
 
-/// So many photos, spread evenly, are looked at again to find the cause, where nobody kept what was seen in them.
+/// Number of photos, spread evenly, that are located again to find the cause if their results were not kept.
 const LOOKED_AT: usize = 12;
 
-/// So many photos are searched for tags of all families, or mirrored.
+/// Number of photos that are searched for tags of all families, or mirrored.
 const SEARCHED_AGAIN: usize = 4;
 
 pub struct LocateFiles {
@@ -28,14 +28,14 @@ pub struct LocateFiles {
 }
 
 impl LocateFiles {
-    /// The one cause for photos that were examined, as a sentence, if there is one.
+    /// Returns the common cause of examined photos as a sentence, if there is one.
     pub fn cause(&self, photos: &[(&Path, &LocatedPhoto)]) -> Option<String> {
         let (paths, examined): (Vec<&Path>, Vec<&LocatedPhoto>) = photos.iter().copied().unzip();
         let mut others = OtherLooks::default();
         if diagnosis::is_without_tags(&examined) {
             let own = self.scene.families();
             let all = TagFamily::ALL.map(|(family, _)| family).into_iter();
-            // The tables of their codes take more than a hundred megabytes each.
+            // The code tables of these two take more than a hundred megabytes each.
             let rare = [TagFamily::TagCircle49h12, TagFamily::TagCustom48h12];
             let all = all.filter(|family| !own.contains(family) && !rare.contains(family));
             others.families = look_again(&paths, all.collect(), |luma| luma);
@@ -47,7 +47,7 @@ impl LocateFiles {
         Some(found.sentence(&self.scene, &self.scene_file, &self.camera, &self.camera_file))
     }
 
-    /// The one cause for photos that were not kept after they were examined, as a sentence, if there is one: some of them are located again.
+    /// Returns the common cause of photos whose results were not kept, as a sentence, if there is one: some of them are located again.
     pub fn cause_in_files(&self, photos: &[PathBuf]) -> Option<String> {
         let mut tags = TagDetectorChoice::default().open(&self.scene.families()).ok()?;
         let paths = spread(&photos.iter().map(PathBuf::as_path).collect::<Vec<_>>(), LOOKED_AT);
@@ -65,7 +65,7 @@ impl LocateFiles {
     }
 }
 
-/// What some photos show of some families when they are changed.
+/// Detects tags of the given families in some of the photos, after `changed` was applied to their luma.
 fn look_again(
     photos: &[&Path],
     families: Vec<TagFamily>,

@@ -1,7 +1,7 @@
-//! One moved card among several whole ones: which tags agree, and what is wrong with the others.
+//! Outlier rejection: the largest consistent set of tags, and diagnoses of the rejected ones.
 //!
-//! A tag's four corners stand or fall together. A pose is found from the tags that agree only when these are at least three and
-//! two thirds; two tags that disagree are never chosen between.
+//! The four corners of a tag are accepted or rejected together. A pose is computed from the inlier tags only if these are at least three and two
+//! thirds of all; of two tags that disagree none is chosen.
 
 use nalgebra::{Matrix6, SMatrix, SVector};
 
@@ -15,20 +15,20 @@ use crate::camera::Camera;
 use crate::scene::{Scene, Tag};
 use scaleproof_core::geometry::Rigid;
 
-/// Squared distance of a tag's eight coordinates from where the other tags expect them, in units of the noise, beyond which it
-/// does not agree: 3.5 σ for each. Normal noise does not come near it; real corners have tails.
+/// Squared distance of a tag's eight coordinates from their prediction by the other tags, in units of the noise, beyond which the tag is an outlier:
+/// 3.5 σ for each. Normal noise does not come near it; real corners have tails.
 const AGREES: f64 = 8.0 * 3.5 * 3.5;
 
-/// Noise that is believed at most, as an angle: with more, several moved tags would excuse each other.
+/// Upper bound of the estimated noise, as an angle: with more, several moved tags would mask each other.
 pub(super) const MAX_NOISE_DEG: f64 = 0.05;
 
-/// So many of the largest tags are paired to find a majority that agrees with each pair.
+/// Number of the largest tags that are paired to find a majority that agrees with a pair.
 const ASKED_TAGS: usize = 8;
 
-/// A majority is at least so many tags.
+/// Minimum number of tags in a majority.
 const MIN_AGREEING: usize = 3;
 
-/// The tags that agree, the poses that might be theirs, and the tags left out.
+/// Inlier tags, their candidate poses, and the rejected tags.
 pub(super) struct Consensus<'a> {
     pub matches: Vec<Match<'a>>,
     pub candidates: Vec<PoseCandidate>,
@@ -36,7 +36,7 @@ pub(super) struct Consensus<'a> {
 }
 
 impl<'a> Consensus<'a> {
-    /// All tags, whether they agree or not.
+    /// Returns all tags as inliers, without a test.
     pub(super) fn unchecked(solver: Solver, matches: Vec<Match<'a>>, camera: &Camera) -> Consensus<'a> {
         Consensus {
             candidates: solver.candidates(&matches, camera),
@@ -46,7 +46,7 @@ impl<'a> Consensus<'a> {
     }
 }
 
-/// All tags where they agree, else the majority that does.
+/// Returns all tags if they agree, else the majority that does.
 pub(super) fn find<'a>(matches: Vec<Match<'a>>, scene: &Scene, camera: &Camera) -> Result<Consensus<'a>, Abstention> {
     let mut all = Consensus::unchecked(Solver::EveryBranch, matches, camera);
     let best = all.candidates.iter().min_by(|a, b| a.rms_px.total_cmp(&b.rms_px));
@@ -67,15 +67,15 @@ pub(super) fn find<'a>(matches: Vec<Match<'a>>, scene: &Scene, camera: &Camera) 
     })
 }
 
-/// A pose, and the tags that agree on it.
+/// Pose of a majority of tags, and these tags.
 struct Majority<'a> {
     pose: Rigid,
     members: Vec<Match<'a>>,
 }
 
-/// The pose that a majority of tags agrees on. `None` without a majority, and with two of them.
+/// Finds the pose on which a majority of tags agrees. `None` if there is no majority, or more than one.
 ///
-/// One or two moved tags show up when all are fitted; where more do not, some pair of whole ones does not know of them.
+/// One or two moved tags show up in the fit to all; with more, some pair of correct tags is free of their influence.
 fn majority<'a>(start: Option<&PoseCandidate>, matches: &[Match<'a>], camera: &Camera) -> Option<Majority<'a>> {
     if let Some(found) = start.and_then(|s| settle(s.pose, matches.to_vec(), matches.len(), camera)) {
         return Some(found);
@@ -98,7 +98,7 @@ fn majority<'a>(start: Option<&PoseCandidate>, matches: &[Match<'a>], camera: &C
     (!has_rival).then(|| found.swap_remove(best))
 }
 
-/// The majorities that agree with the poses of a pair.
+/// Returns the majorities that agree with the candidate poses of a pair.
 fn majority_by<'a>(pair: &[Match], matches: &[Match<'a>], camera: &Camera) -> Vec<Majority<'a>> {
     let by = |candidate: &PoseCandidate| {
         let members = expected_by(&candidate.pose, pair, matches, camera)?;
@@ -113,8 +113,8 @@ fn is_same(a: &Match, b: &Match) -> bool {
     std::ptr::eq(a.tag, b.tag)
 }
 
-/// Fits some of all tags and drops the one that agrees least with the others, until all agree. `None` when that leaves no majority: two of three
-/// tags at least, since with fewer, tags that a wrong camera or scene file puts at odds would be dropped until the rest agrees on a wrong pose.
+/// Fits the members and drops the one that agrees least with the others, until all agree. `None` when fewer than three, or than two thirds of all
+/// tags, are left: otherwise tags that a wrong camera or scene file puts at odds would be dropped until the rest agrees on a wrong pose.
 fn settle<'a>(mut pose: Rigid, mut members: Vec<Match<'a>>, all: usize, camera: &Camera) -> Option<Majority<'a>> {
     while members.len() >= MIN_AGREEING && 3 * members.len() >= 2 * all {
         pose = refine::refine(&pose, &Corners::new(&members), camera, NO_HUBER)?;
@@ -128,14 +128,14 @@ fn settle<'a>(mut pose: Rigid, mut members: Vec<Match<'a>>, all: usize, camera: 
     None
 }
 
-/// How far each tag is from where the others expect it, in units of what is allowed, by the residuals of the fit to all: deleted
-/// residuals (Cook & Weisberg 1982, "Residuals and Influence in Regression", section 3.2) of a tag's eight coordinates.
+/// Returns each tag's squared distance from its prediction by the other tags, relative to the allowed one, by deleted residuals (Cook & Weisberg
+/// 1982, "Residuals and Influence in Regression", section 3.2) of its eight coordinates in the fit to all.
 fn disagreement(pose: &Rigid, matches: &[Match], camera: &Camera) -> Option<Vec<f64>> {
     let (seen, covariance, squares) = linearised(pose, matches, camera)?;
     let freedom = 8.0 * (seen.len() as f64 - 1.0) - 6.0;
     let distance = |l: &LinearisedTag| {
         let kept = SMatrix::<f64, 8, 8>::identity() - l.jacobian * covariance * l.jacobian.transpose();
-        // A tag that the others say nothing about cannot be tested: it does not agree.
+        // A tag that the others do not predict cannot be tested: it counts as an outlier.
         kept.cholesky().map_or(f64::INFINITY, |c| {
             let deleted = l.residual.dot(&c.solve(&l.residual));
             deleted / allowed_px2(squares - deleted, freedom, camera)
@@ -144,7 +144,7 @@ fn disagreement(pose: &Rigid, matches: &[Match], camera: &Camera) -> Option<Vec<
     Some(seen.iter().map(distance).collect())
 }
 
-/// Which tags lie where a pose, fitted to some of them, expects them.
+/// Returns the tags that lie where a pose, fitted to `fitted`, predicts them.
 fn expected_by<'a>(pose: &Rigid, fitted: &[Match], matches: &[Match<'a>], camera: &Camera) -> Option<Vec<Match<'a>>> {
     let (members, covariance, squares) = linearised(pose, fitted, camera)?;
     let allowed_px2 = allowed_px2(squares, 8.0 * members.len() as f64 - 6.0, camera);
@@ -160,14 +160,14 @@ fn expected_by<'a>(pose: &Rigid, fitted: &[Match], matches: &[Match<'a>], camera
     Some(matches.iter().filter(agrees).cloned().collect())
 }
 
-/// The squared distance at which a tag still agrees, px², by the squared residuals of the others and their degrees of freedom.
+/// Returns the largest squared distance of an inlier tag, px², from the squared residuals of the others and their degrees of freedom.
 fn allowed_px2(squares: f64, freedom: f64, camera: &Camera) -> f64 {
     let most = (MAX_NOISE_DEG / camera.deg_per_px()).powi(2);
-    // The fewer the others, the less is known of the noise.
+    // With fewer other tags the noise is known less well.
     AGREES * (1.0 + 8.0 / freedom) * pooled(squares.max(0.0), freedom).min(most)
 }
 
-/// The eight coordinates of a tag near a pose: residuals, and their derivatives by a step of the pose.
+/// Residuals of a tag's eight coordinates at a pose, and their derivatives by a step of the pose.
 struct LinearisedTag {
     residual: SVector<f64, 8>,
     jacobian: SMatrix<f64, 8, 6>,
@@ -186,7 +186,7 @@ impl LinearisedTag {
     }
 }
 
-/// Some tags near a pose, (JᵀJ)⁻¹ over them, and the sum of their squared residuals, px².
+/// Linearises tags at a pose; returns them, (JᵀJ)⁻¹ over them, and the sum of their squared residuals, px².
 fn linearised(pose: &Rigid, matches: &[Match], camera: &Camera) -> Option<(Vec<LinearisedTag>, Matrix6<f64>, f64)> {
     let seen = matches.iter().map(|m| LinearisedTag::new(pose, m, camera));
     let seen = seen.collect::<Option<Vec<_>>>()?;
@@ -195,10 +195,10 @@ fn linearised(pose: &Rigid, matches: &[Match], camera: &Camera) -> Option<(Vec<L
     Some((seen, information.cholesky()?.inverse(), squares))
 }
 
-/// What is wrong with an outlier tag, by the pose of the others.
+/// Diagnoses an outlier tag, by the pose of the inliers.
 fn diagnose_outlier(m: &Match, pose: &Rigid, scene: &Scene, camera: &Camera) -> Ignored {
     let limit_px = doubt::limit_px(camera);
-    // How many corners are where they are expected, when seen corner `i` is really corner `order(i)`.
+    // Counts the corners that are where they are expected, if seen corner `i` is really corner `order(i)`.
     let fitting = |tag: &Tag, order: &dyn Fn(usize) -> usize| {
         let Some(expected) = tag.corners_px(pose, camera) else {
             return 0;

@@ -1,7 +1,7 @@
-//! One cause for many photos without a good pose, where there is one: hundreds of photos seldom fail for hundreds of reasons.
+//! Common cause of many photos without a good pose, if there is one: hundreds of photos seldom fail for hundreds of reasons.
 //!
-//! A wrong cause would cost more time than none. So most photos must be bad, most of those that can tell must be good again once the
-//! cause is taken away, and a rival cause must not do that as well.
+//! A wrong cause would cost more time than none. So most photos must be bad, most of the telling ones must become good once the cause is corrected,
+//! and no rival cause may do that as well.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -18,23 +18,23 @@ use crate::tags::SeenTag;
 pub enum Diagnosis {
     /// The tags are larger or smaller than the scene says.
     TagSize(Factor),
-    /// Some of the tags are.
+    /// Some of the tags are larger or smaller than the scene says.
     PartSize(PartSize),
     /// The camera's focal length is longer or shorter than its file says.
     Focal(Factor),
     /// Tags of the scene's family that the scene does not have.
     OtherIds { family: TagFamily, ids: Vec<u32> },
-    /// No tag of the scene's families, but of others.
+    /// The photos show tags of other families than the scene's.
     OtherFamilies { found: Vec<(TagFamily, Vec<u32>)> },
     /// All cards are turned alike, or all have ids that are shifted by one number.
     Cards(Relabelled),
-    /// The tags are found where a photo is mirrored: the prints are, or the photos.
+    /// The tags are found in the mirrored photo: the prints are mirrored, or the photos.
     Mirrored { photos: usize, of: usize },
     /// The camera file is for another aspect ratio.
     CameraSize { errors: Vec<SizeError> },
     /// The photos are too blurred for tags.
     Blurred { photos: usize, of: usize },
-    /// No tag at all. `searched_others`: so many photos were searched for every family.
+    /// No tag is found at all. `searched_others`: number of photos that were searched for every family.
     NoTags {
         photos: usize,
         of: usize,
@@ -42,23 +42,23 @@ pub enum Diagnosis {
     },
 }
 
-/// So many photos must be bad in one way, and so many must tell the cause.
+/// Minimum number of photos that are bad in one way, and of those that must tell the cause.
 const FEWEST: usize = 3;
 
-/// Share of the photos that must be bad, and of the telling ones that must be healed.
+/// Minimum share of bad photos among all, and of healed photos among the telling ones.
 const MOST: f64 = 0.8;
 
-/// A factor must leave no more than this share of the mean squared error, and no more than this share of the rival's.
+/// Maximum of a factor's mean squared error, as a share of the error without it and of the rival's.
 const BETTER: f64 = 0.25;
 const BETTER_THAN_RIVAL: f64 = 0.5;
 
-/// Factors nearer to 1 are within what prints and lenses do anyway.
+/// Smallest reported deviation of a factor from 1; prints and lenses have smaller ones anyway.
 const SMALLEST: f64 = 0.01;
 
-/// Half of the photos must agree on how far from 1 the factor is to this share.
+/// Maximum spread of the middle half of the photos' factors, as a share of the factor's distance from 1 (both in logarithms).
 const AGREEMENT: f64 = 0.5;
 
-/// The photos without a pose, or with one that its tags hardly fit.
+/// Returns true for a photo without a pose, or with one that its tags fit poorly.
 pub fn is_bad(photo: &LocatedPhoto) -> bool {
     match &photo.result {
         Ok(located) => located.warnings.contains(&Warning::PoorFit),
@@ -66,31 +66,31 @@ pub fn is_bad(photo: &LocatedPhoto) -> bool {
     }
 }
 
-/// Whether nearly all photos show no tag of the families that were searched, so that others should be.
+/// Returns true if nearly all photos show no tag of the families that were searched, so that others should be searched.
 pub fn is_without_tags(photos: &[&LocatedPhoto]) -> bool {
     is_most(photos, |p| {
         matches!(p.result, Err(Abstention::NoTags | Abstention::Blurred { .. }))
     })
 }
 
-/// Tags that some photos show to who searches otherwise; nothing where nobody did.
+/// Tags found in some photos by further searches; empty if none was made.
 #[derive(Debug, Default)]
 pub struct OtherLooks {
-    /// Of the families that the scene lacks, by photo.
+    /// Tags of the families that the scene lacks, by photo.
     pub families: Vec<Vec<SeenTag>>,
-    /// Of the scene's families in the mirrored photo, by photo.
+    /// Tags of the scene's families in the mirrored photo, by photo.
     pub mirrored: Vec<Vec<SeenTag>>,
 }
 
-/// Whether nearly all photos are bad, so that they may have one cause.
+/// Returns true if nearly all photos are bad, so that they may have one cause.
 pub fn are_bad(photos: &[&LocatedPhoto]) -> bool {
     is_most(photos, is_bad)
 }
 
-/// The one cause, if there is one.
+/// Returns the common cause, if there is one.
 pub fn diagnose(photos: &[&LocatedPhoto], others: &OtherLooks, scene: &Scene) -> Option<Diagnosis> {
     if !are_bad(photos) {
-        // Where they are fewer than the others, tags of a wrong size are rejected as outliers, and the photos are located.
+        // If the tags of a wrong size are fewer than the others, they are rejected as outliers, and the photos are located.
         let doubtful: Vec<&LocatedPhoto> = photos.iter().copied().filter(|p| is_bad(p) || has_outlier(p)).collect();
         let are_many = doubtful.len() >= FEWEST && 2 * doubtful.len() >= photos.len();
         return are_many
@@ -138,7 +138,7 @@ fn is_most(photos: &[&LocatedPhoto], is: impl Fn(&LocatedPhoto) -> bool) -> bool
     count >= FEWEST && count as f64 >= MOST * photos.len() as f64
 }
 
-/// Two whole tags of the scene in most of the photos that were mirrored.
+/// Tests for mirrored photos: most of the mirrored copies must show two whole tags of the scene.
 fn mirrored(looks: &[Vec<SeenTag>], scene: &Scene) -> Option<Diagnosis> {
     let is_scenes = |tag: &&SeenTag| tag.is_whole && scene.tag(tag.family, tag.id).is_some();
     let with_two = looks.iter().filter(|seen| seen.iter().filter(is_scenes).count() >= 2);
@@ -146,7 +146,7 @@ fn mirrored(looks: &[Vec<SeenTag>], scene: &Scene) -> Option<Diagnosis> {
     (photos >= 2.min(of) && 2 * photos > of).then_some(Diagnosis::Mirrored { photos, of })
 }
 
-/// Families with two whole tags in most of the photos that were searched: single ones are found in grass and print alike.
+/// Finds families with two whole tags in most of the photos that were searched: single ones are false detections in grass or print.
 fn other_families(others: &[Vec<SeenTag>]) -> Option<Diagnosis> {
     let found = TagFamily::ALL.into_iter().filter_map(|(family, _)| {
         let whole = |seen: &Vec<SeenTag>| -> BTreeSet<u32> {
@@ -163,7 +163,7 @@ fn other_families(others: &[Vec<SeenTag>]) -> Option<Diagnosis> {
     (!found.is_empty()).then_some(Diagnosis::OtherFamilies { found })
 }
 
-/// Most photos show two tags or more that the scene lacks, and at least as many of those as of the scene's own.
+/// Tests for other ids: most photos must show at least two tags that the scene lacks, and at least as many of those as of the scene's own.
 fn other_ids(photos: &[&LocatedPhoto], scene: &Scene) -> Option<Diagnosis> {
     let unknown = |p: &LocatedPhoto| -> BTreeSet<(TagFamily, u32)> {
         let unknown = p.seen.iter().filter(|t| scene.tag(t.family, t.id).is_none());
@@ -186,7 +186,7 @@ fn other_ids(photos: &[&LocatedPhoto], scene: &Scene) -> Option<Diagnosis> {
     Some(Diagnosis::OtherIds { family, ids })
 }
 
-/// A wrong size of all tags, or a wrong focal length.
+/// Tests for a wrong size of all tags, and for a wrong focal length.
 fn wrong_number(bad: &[&LocatedPhoto], photos: usize, scene: &Scene) -> Option<Diagnosis> {
     let size = factor::fit(FactorKind::TagSize, bad, scene)?;
     let focal = factor::fit(FactorKind::Focal, bad, scene)?;
@@ -203,13 +203,13 @@ fn wrong_number(bad: &[&LocatedPhoto], photos: usize, scene: &Scene) -> Option<D
     }
 }
 
-/// A wrong size of some tags, where it explains more than a number of all does, whose cost is `rival`, and than that of other parts.
+/// Tests for a wrong size of some tags: it must explain more than a factor of all, whose cost is `rival`, and than that of any other part.
 fn part_size(bad: &[&LocatedPhoto], photos: usize, rival: f64, scene: &Scene) -> Option<Diagnosis> {
     let mut fits = part_sizes::fits(bad, scene);
     fits.sort_by(|a, b| a.size.cost.total_cmp(&b.size.cost));
     let best = fits.first()?;
     let is_best = best.size.cost <= BETTER_THAN_RIVAL * rival;
-    // Parts that overlap are the same finding; one without a tag of the other explains it another way.
+    // Overlapping parts are the same finding; a part without common tags is another explanation.
     let has_rival = fits[1..].iter().any(|other| {
         let is_apart = other.tags.iter().all(|tag| !best.tags.contains(tag));
         is_apart && best.size.cost > BETTER_THAN_RIVAL * other.size.cost
@@ -217,7 +217,7 @@ fn part_size(bad: &[&LocatedPhoto], photos: usize, rival: f64, scene: &Scene) ->
     (is_best && !has_rival && is_good(&best.size, photos)).then(|| Diagnosis::PartSize(fits.swap_remove(0)))
 }
 
-/// Whether a factor makes most photos good, and most of them ask for it.
+/// Returns true if a factor makes most photos good, and their own factors agree with it.
 fn is_good(fit: &Factor, photos: usize) -> bool {
     let share = |part: usize, of: usize| part as f64 / of as f64;
     let away = fit.factor.ln().abs();
@@ -231,7 +231,7 @@ fn is_good(fit: &Factor, photos: usize) -> bool {
 }
 
 impl Diagnosis {
-    /// The cause as a sentence that names the files, and what to do.
+    /// Returns the cause as a sentence that names the files, and what to do.
     pub fn sentence(&self, scene: &Scene, scene_file: &Path, camera: &Camera, camera_file: &Path) -> String {
         let (scene_file, camera_file) = (scene_file.display(), camera_file.display().to_string());
         let fits = |Factor { healed, telling, .. }: &Factor| {
@@ -239,7 +239,7 @@ impl Diagnosis {
         };
         match self {
             Diagnosis::TagSize(size) => {
-                // What the tags are and what the scene says, as widths where all have one.
+                // The tags' real size and the scene's, as widths if all tags have the same.
                 let mut sizes = scene.tags.iter().map(|tag| tag.size_mm);
                 let (is, was) = match sizes.next() {
                     Some(first) if sizes.all(|s| s == first) => {
@@ -371,7 +371,7 @@ fn families(scene: &Scene) -> String {
     names.join(" and ")
 }
 
-/// `id 7`, `ids 0 to 15`, `ids 1, 5 and 20 to 27`, at most some ranges.
+/// Returns `id 7`, `ids 0 to 15`, `ids 1, 5 and 20 to 27`, at most `MOST_RANGES` ranges.
 pub fn ids_in_words(ids: &[u32]) -> String {
     let sorted: BTreeSet<u32> = ids.iter().copied().collect();
     let mut ranges: Vec<(u32, u32)> = Vec::new();
@@ -398,5 +398,5 @@ pub fn ids_in_words(ids: &[u32]) -> String {
     }
 }
 
-/// More would not be read.
+/// Maximum number of ranges in [`ids_in_words`].
 const MOST_RANGES: usize = 8;

@@ -1,4 +1,4 @@
-//! When a pose may be believed, and the sentence a photographer gets when it may not.
+//! Tests that decide if a pose is reliable, and the reason for the photographer if it is not.
 
 use nalgebra::Point3;
 
@@ -13,43 +13,43 @@ use crate::scene::{Bins, Viewpoint};
 use scaleproof_core::geometry::{Rigid, angle};
 use scaleproof_core::statistics::normal::upper_tail;
 
-/// Residuals above this angle mean a wrong scene or camera, not noise. An angle, so that it holds at every resolution: at
-/// the 1180 px focal length of the skyline session it is 3.1 px, where the worst honest photo (grazing, far tags) has 1.7 px.
+/// Root mean square residual, as an angle, above which scene or camera are wrong. An angle, so that it holds at every resolution: at the 1180 px
+/// focal length of the skyline session it is 3.1 px, where the worst correct photo (grazing, far tags) has 1.7 px.
 const MAX_RMS_DEG: f64 = 0.15;
 
-/// Two or three tags bend a pose to fit a moved one or a wrong camera: more would tell, but there are none. So their residual may be so many times
-/// what is expected of tags of their size. Of 138 real pairs and triples (`swatbotics`, `veldrovive`) none is above 1.9; above are 95 % of simulated
-/// pairs with one card moved by 60 mm, 42 % by 20 mm. Smaller moves widen σ.
+/// Maximum residual of two or three tags, relative to the value that is expected of tags of their size: so few bend a pose to fit a moved tag or a
+/// wrong camera. Of 138 real pairs and triples (`swatbotics`, `veldrovive`) none is above 1.9; above are 95 % of simulated pairs with one card moved
+/// by 60 mm, 42 % by 20 mm. Smaller moves widen σ.
 const MOST_OF_EXPECTED: f64 = 2.0;
 
-/// The rival's residual must be this many times the best pose's. Measured on synthetic views: with the ratio of
-/// best to rival below 0.2, single-tag frames are more than 10° wrong in 0.23 % instead of 2.1 %.
+/// Minimum ratio of the rival's residual to the best pose's. Measured on synthetic views: with a ratio of best to rival below 0.2, single-tag frames
+/// are more than 10° wrong in 0.23 % instead of 2.1 %.
 const MIN_RIVAL_RATIO: f64 = 5.0;
 
-/// Corner noise below which a smaller residual is luck: four corners have eight numbers for six unknowns.
+/// Residual, px, below which differences are chance: four corners have eight numbers for six unknowns.
 const NOISE_FLOOR_PX: f64 = 0.1;
 
-/// A lone tag whose azimuth is open is called frontal when it is tilted by less than this: its tilt is noise, without a rival.
+/// Tilt below which a lone tag with an ambiguous azimuth is called frontal: its tilt is noise, without a rival.
 const FRONTAL_DEG: f64 = 15.0;
 
-/// Poses closer than this are one pose.
+/// Poses closer than this in rotation and relative position count as one.
 const SAME_TURN_DEG: f64 = 3.0;
 const SAME_PLACE: f64 = 0.03;
 
-/// An azimuth known no better than this is not known: the first derivatives no longer say how far it may be off. Poses of a lone tag, which are
-/// drawn, still say which bins it may be in.
+/// Azimuth σ above which the azimuth is unknown: first derivatives no longer describe its error. Poses of a lone tag, which are sampled, still give
+/// the bins it may be in.
 const MAX_SIGMA_DEG: f64 = 5.0;
-/// A pose in a wrong bin by more than this must be rarer than [`MAX_WRONG_BIN`] for each photo. Only photos near an edge come up
-/// to it, so that the share among all is far below.
+/// A pose in a wrong bin by more than the margin must be rarer than [`MAX_WRONG_BIN`] for each photo. Only photos near an edge reach this limit, so
+/// the share among all is far lower.
 const WRONG_BIN_MARGIN_DEG: f64 = 1.0;
 const MAX_WRONG_BIN: f64 = 0.01;
 
-/// The residual above which tags disagree, px.
+/// Returns the residual above which tags disagree, px.
 pub(super) fn limit_px(camera: &Camera) -> f64 {
     MAX_RMS_DEG / camera.deg_per_px()
 }
 
-/// The best pose and the best different one, if the best fits and the other does not fit almost as well. A lone tag's rival is left to
+/// Returns the best pose and the best different one; an error if the best fits poorly or the other fits almost as well. A lone tag's rival is left to
 /// [`settled_alone`].
 pub(super) fn without_rival(
     mut found: Vec<PoseCandidate>,
@@ -91,7 +91,7 @@ fn is_near_as_good(rival: &PoseCandidate, best: &PoseCandidate) -> bool {
     rival.rms_px < MIN_RIVAL_RATIO * best.rms_px.max(NOISE_FLOOR_PX)
 }
 
-/// Refuses a lone tag that leaves the azimuth open, so far that its bin may well be another.
+/// Returns an error if a lone tag leaves the azimuth so uncertain that the bin may be wrong.
 pub(super) fn settled_alone(
     only: &Match,
     (best, rival): (&PoseCandidate, Option<&PoseCandidate>),
@@ -121,16 +121,16 @@ pub(super) fn settled_alone(
     })
 }
 
-/// Whether an azimuth is known so badly that only its bin is.
+/// Returns true if the azimuth is so uncertain that only its bin is known.
 pub(super) fn is_open(sigma: &Sigma) -> bool {
     sigma.azimuth_deg > MAX_SIGMA_DEG
 }
 
-/// The standard deviation of an azimuth whose tags fit badly although outliers were rejected: one bad card leaves the others in agreement, so
-/// the camera file or the scene is wrong, and the rest was chosen to fit it. Focal lengths 12 % to 50 % off gave azimuths up to 8° off.
+/// Standard deviation of an azimuth whose tags fit badly although outliers were rejected: one bad card leaves the others in agreement, so the camera
+/// file or the scene is wrong, and the inliers were selected to fit it. Focal lengths 12 % to 50 % off gave azimuths up to 8° off.
 const MISFIT_SIGMA_DEG: f64 = 3.0;
 
-/// What the viewpoint's σ becomes where the inlier tags fit badly.
+/// Returns the viewpoint's σ, raised for inlier tags that fit badly.
 pub(super) fn misfit_sigma(sigma: Sigma) -> Sigma {
     Sigma {
         azimuth_deg: sigma.azimuth_deg.max(MISFIT_SIGMA_DEG),
@@ -139,8 +139,7 @@ pub(super) fn misfit_sigma(sigma: Sigma) -> Sigma {
     }
 }
 
-/// Refuses a viewpoint whose azimuth the tags leave open, so far that its bin may well be another. `edge_deg`: from the azimuth to
-/// its bin's edge.
+/// Returns an error if the tags leave the azimuth so uncertain that the bin may be wrong. `edge_deg`: distance of the azimuth from its bin's edge.
 pub(super) fn settled(sigma: &Sigma, edge_deg: f64) -> Result<(), Abstention> {
     let sigma_deg = sigma.azimuth_deg;
     let wrong = upper_tail((edge_deg + WRONG_BIN_MARGIN_DEG) / sigma_deg);
@@ -151,13 +150,13 @@ pub(super) fn settled(sigma: &Sigma, edge_deg: f64) -> Result<(), Abstention> {
     }
 }
 
-/// The angle between a tag's normal and the line of sight to its centre.
+/// Returns the angle between a tag's normal and the line of sight to its centre.
 fn tilt_deg(m: &Match, found: &PoseCandidate) -> f64 {
     let to_camera = found.pose.inverse() * Point3::origin() - m.tag.centre_mm;
     m.tag.normal().angle(&to_camera).to_degrees()
 }
 
-/// True for poses that are not one pose up to noise.
+/// Returns true for two poses that differ by more than noise.
 pub(super) fn is_different(a: &Rigid, b: &Rigid) -> bool {
     let turn_deg = angle::turn(0.0, a.rotation.angle_to(&b.rotation).to_degrees()).abs();
     let (ca, cb) = (a.inverse() * Point3::origin(), b.inverse() * Point3::origin());

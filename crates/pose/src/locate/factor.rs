@@ -1,4 +1,4 @@
-//! One factor that makes many photos fit: of the tags' sizes, or of the focal length.
+//! Fit of one factor that makes many photos consistent: of the tags' sizes, or of the focal length.
 
 use std::collections::BTreeSet;
 
@@ -20,38 +20,38 @@ pub(super) enum FactorKind<'a> {
     Focal,
 }
 
-/// A factor of what a file says with which the photos fit best, and what speaks for it.
+/// Correction factor of a value in a file with which the photos fit best, and the evidence for it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Factor {
-    /// The truth by what the file says.
+    /// Ratio of the true value to the file's.
     pub factor: f64,
-    /// Mean square over the photos of their corners' distances, (degrees)², each bounded.
+    /// Mean over the photos of their squared corner residuals, (degrees)², each bounded.
     pub cost: f64,
-    /// Cost with factor 1, (degrees)²: how badly the photos fit what the file says.
+    /// Cost with factor 1, (degrees)²: misfit of the photos to the file's value.
     pub cost_of_one: f64,
-    /// Photos that say something: two tags or more.
+    /// Number of photos with evidence: two tags or more.
     pub telling: usize,
     pub healed: usize,
-    /// The best factors of single photos: the middle half lies between these.
+    /// Interval that contains the middle half of the single photos' best factors.
     pub middle_half: [f64; 2],
 }
 
-/// Factors that are tried first, each way from 1, and the step between two of them.
+/// Largest factor of the initial grid, each way from 1, and the ratio between neighbours.
 const MOST: f64 = 2.2;
 const STEP: f64 = 1.06;
 
-/// Halvings (golden sections) of the step around the best of them.
+/// Number of golden section steps around the best grid point.
 const SECTIONS: usize = 12;
-/// What a photo's own factor may differ from that of all.
+/// Largest ratio between a photo's own factor and the common one.
 const OWN_REACH: f64 = 1.15;
 
-/// So many photos, spread evenly, are fitted; all are tried with the factor that was found.
+/// Number of photos, spread evenly, that are fitted; the resulting factor is tested on all.
 const FITTED: usize = 12;
 
-/// A photo that nothing makes fit says no more than this, degrees.
+/// Upper bound of a photo's residual, degrees: more is no more evidence.
 const WORST_DEG: f64 = 0.5;
 
-/// Fits a factor to the photos with two tags or more. `None` when there are none.
+/// Fits a factor to the photos with two tags or more. `None` if there are none.
 pub(super) fn fit(of: FactorKind, photos: &[&LocatedPhoto], scene: &Scene) -> Option<Factor> {
     let all: Vec<&LocatedPhoto> = photos.iter().copied().filter(|p| is_telling(of, p, scene)).collect();
     let photos = spread(&all, FITTED);
@@ -83,14 +83,14 @@ pub(super) fn fit(of: FactorKind, photos: &[&LocatedPhoto], scene: &Scene) -> Op
     })
 }
 
-/// At most so many of some things, from the first to the last, evenly.
+/// Returns at most `most` of the items, spread evenly from the first to the last.
 pub fn spread<T: Copy>(all: &[T], most: usize) -> Vec<T> {
     let count = all.len().min(most);
     let at = |i: usize| all[i * (all.len() - 1) / (count - 1).max(1)];
     (0..count).map(at).collect()
 }
 
-/// Two tags or more, and where the factor is of a part of them, one of each kind.
+/// Returns true for a photo of at least two tags and, if the factor is of a part of them, tags both in and outside the part.
 fn is_telling(of: FactorKind, photo: &LocatedPhoto, scene: &Scene) -> bool {
     let matched = matches::match_tags(&photo.seen, scene);
     let are_telling = |matches: &[matches::Match]| {
@@ -102,7 +102,7 @@ fn is_telling(of: FactorKind, photo: &LocatedPhoto, scene: &Scene) -> bool {
 }
 
 impl FactorKind<'_> {
-    /// Whether a tag's size is multiplied.
+    /// Returns true if this factor multiplies the tag's size.
     fn scales(self, tag: &Tag) -> bool {
         match self {
             FactorKind::TagSize => true,
@@ -112,7 +112,7 @@ impl FactorKind<'_> {
     }
 }
 
-/// The scene with its tags' sizes multiplied, when that is what the factor belongs to.
+/// Returns the scene with its tags' sizes multiplied, if the factor applies to these.
 fn scaled(of: FactorKind, scene: &Scene, factor: f64) -> Scene {
     let mut scene = scene.clone();
     let tags = scene.tags.iter_mut().filter(|tag| of.scales(tag));
@@ -120,7 +120,7 @@ fn scaled(of: FactorKind, scene: &Scene, factor: f64) -> Scene {
     scene
 }
 
-/// The photo's camera with its focal length multiplied, when that is what the factor belongs to.
+/// Returns the photo's camera with its focal length multiplied, if the factor applies to it.
 fn camera(of: FactorKind, factor: f64, photo: &LocatedPhoto) -> Option<Camera> {
     let mut camera = photo.fitted.as_ref().ok()?.camera.clone();
     if of == FactorKind::Focal {
@@ -130,7 +130,7 @@ fn camera(of: FactorKind, factor: f64, photo: &LocatedPhoto) -> Option<Camera> {
     Some(camera)
 }
 
-/// How badly all tags of a photo fit at best, (degrees)²; `scene` has the factor already.
+/// Returns the least squared residual of a photo over its candidate poses, (degrees)², bounded; `scene` has the factor already.
 fn cost(of: FactorKind, factor: f64, photo: &LocatedPhoto, scene: &Scene) -> f64 {
     let worst = WORST_DEG * WORST_DEG;
     let rms_deg = || {
@@ -147,7 +147,7 @@ fn is_healed(of: FactorKind, factor: f64, photo: &LocatedPhoto, scene: &Scene) -
     camera(of, factor, photo).is_some_and(|camera| agree(&photo.seen, scene, &camera))
 }
 
-/// Whether two tags or more locate the camera and agree, as in a good photo, where hardly one is left out.
+/// Returns true if two tags or more locate the camera and agree, with few outliers, as in a good photo.
 pub(super) fn agree(seen: &[SeenTag], scene: &Scene, camera: &Camera) -> bool {
     let agree = |l: Located| {
         let outliers = l.ignored_tags.iter().filter(|tag| tag.why.is_outlier()).count();
@@ -156,7 +156,7 @@ pub(super) fn agree(seen: &[SeenTag], scene: &Scene, camera: &Camera) -> bool {
     locate(seen, scene, camera).is_ok_and(agree)
 }
 
-/// The factor between two with the least cost (golden section search, Kiefer 1953).
+/// Finds the factor with the least cost between two limits (golden section search, Kiefer 1953).
 fn best_between(mut low: f64, mut high: f64, cost: impl Fn(f64) -> f64) -> f64 {
     let golden = (5f64.sqrt() - 1.0) / 2.0;
     let [mut a, mut b] = [high - golden * (high - low), low + golden * (high - low)];

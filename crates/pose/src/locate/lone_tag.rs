@@ -1,4 +1,4 @@
-//! What a lone tag leaves open.
+//! Alternative poses and bins of a lone tag.
 
 use serde::Serialize;
 
@@ -8,9 +8,9 @@ use scaleproof_core::geometry::Rigid;
 /// The other pose of a lone tag, and the bins that it may have been seen from.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LoneTag {
-    /// The best different pose, where there is one.
+    /// Best different pose, if there is one.
     pub rival: Option<Rival>,
-    /// The most probable first.
+    /// Possible bins, the most probable first.
     pub bins: Vec<BinProbability>,
 }
 
@@ -24,7 +24,7 @@ pub struct Rival {
     pub azimuth_deg: f64,
     pub pitch_deg: f64,
     pub distance_mm: f64,
-    /// How likely it is relative to the better pose, by the residuals of both: 0 to 1.
+    /// Likelihood relative to the better pose, by the residuals of both: 0 to 1.
     pub likelihood: f64,
 }
 

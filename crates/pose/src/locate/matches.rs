@@ -1,4 +1,4 @@
-//! The seen tags that stand in the scene, and why the others are left out.
+//! Matching of seen tags with the scene's, and reasons why some are ignored.
 
 use std::fmt;
 
@@ -9,14 +9,14 @@ use super::Abstention;
 use crate::scene::{Scene, Tag};
 use crate::tags::SeenTag;
 
-/// A tag that was seen but that the pose does not rest on.
+/// Tag that was seen but not used for the pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
 pub struct IgnoredTag {
     pub id: u32,
     pub why: Ignored,
 }
 
-/// Why a seen tag was not used (explained in codes.md). From `wrong_id` on, the pose of the other tags says so.
+/// Reason why a seen tag was not used (explained in codes.md). From `wrong_id` on, it is derived from the pose of the other tags.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Ignored {
@@ -39,14 +39,14 @@ pub enum Ignored {
 }
 
 impl Ignored {
-    /// True for what only the other tags' pose can tell.
+    /// Returns true if the reason is derived from the pose of the other tags.
     pub fn is_outlier(self) -> bool {
         self >= Ignored::WrongId
     }
 }
 
 impl fmt::Display for Ignored {
-    /// What a tag did, to follow its number in a sentence.
+    /// Writes the predicate of a sentence whose subject is the tag.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(match self {
             Ignored::NotInScene => "is not in the scene",
@@ -71,13 +71,13 @@ pub(super) struct Match<'a> {
 }
 
 impl Match<'_> {
-    /// Area in the image, px².
+    /// Returns the tag's area in the image, px².
     pub(super) fn area_px(&self) -> f64 {
         area_px(&self.corners_px)
     }
 
-    /// By what share it may look larger or smaller, as all tags of its kind do in the photo; one standard deviation. Blur, what covers a border, and a library's own
-    /// corners move all sides of a tag alike, of which residuals show little.
+    /// Returns the relative standard deviation of the tag's apparent size by errors that move all of its sides alike: blur, a covered border, and a
+    /// library's own corners. Residuals show little of these.
     pub(super) fn off_alike(&self) -> f64 {
         let hidden = if self.is_whole { 0.0 } else { NOT_WHOLE };
         let unfitted = if self.is_fitted { 0.0 } else { 2.0 * NOT_FITTED_PX };
@@ -85,8 +85,8 @@ impl Match<'_> {
     }
 }
 
-/// By what share tags look too small (or too large) whose border is not seen whole, and by how many px the sides lie inwards that could not be fitted: root mean squares of
-/// tags in spoiled copies of photos (`benches/pose_speed.sh`). Half of those not whole look 1.4 % too small or more.
+/// Relative size error of tags whose border is not seen whole, and inward shift in px of sides that could not be fitted: root mean squares over tags
+/// in spoiled copies of photos (`benches/pose_speed.sh`). Half of those not whole look at least 1.4 % too small.
 const NOT_WHOLE: f64 = 0.023;
 const NOT_FITTED_PX: f64 = 0.35;
 
@@ -96,11 +96,11 @@ pub fn area_px(c: &[[f64; 2]; 4]) -> f64 {
     (0..4).map(cross).sum::<f64>().abs() / 2.0
 }
 
-/// Corresponding corners: model frame in mm, image in px; four of each tag, tag after tag.
+/// Corresponding corners: model frame in mm, image in px; four per tag, in the tags' order.
 pub(super) struct Corners {
     pub model_mm: Vec<Point3<f64>>,
     pub image_px: Vec<[f64; 2]>,
-    /// By what share each tag may look larger or smaller, all of them alike; one standard deviation.
+    /// Relative standard deviation of each tag's apparent size, by errors common to its sides.
     pub off_alike: Vec<f64>,
 }
 
@@ -114,7 +114,7 @@ impl Corners {
     }
 }
 
-/// The tags a pose may rest on, and those left out, by id.
+/// Returns the tags to use for the pose, and the ignored ones, by id.
 ///
 /// An id seen twice is left out both times. A tag that is partly covered is left out when two whole ones remain.
 pub(super) fn match_tags<'a>(

@@ -1,4 +1,4 @@
-//! Tags and a camera become the pose of the camera, its viewpoint and bin, or a reason why not.
+//! Estimation of the camera pose from tags: the pose, its viewpoint and bin, or the reason for abstaining.
 
 mod abstention;
 mod alike;
@@ -52,19 +52,19 @@ pub use uncertainty::{SPREAD, Sigma, Uncertainty, bin_probability, expected_px2}
 pub struct Located {
     /// `T_camera_model`: model frame to camera frame, mm.
     pub pose: Rigid,
-    /// How far the pose may be off.
+    /// Covariance and corner noise of the pose.
     pub uncertainty: Uncertainty,
-    /// Where the camera stands, seen from the model.
+    /// Viewpoint of the camera relative to the model.
     pub viewpoint: Viewpoint,
-    /// What that means for the viewpoint.
+    /// Standard deviations of the viewpoint.
     pub sigma: Sigma,
-    /// The bin of the scene that the viewpoint is in.
+    /// Bin of the scene that contains the viewpoint.
     pub bin: Bin,
-    /// The probability that the bin is the right one.
+    /// Probability that the bin is the right one.
     pub bin_probability: f64,
-    /// What remains open where the pose rests on one tag.
+    /// Alternative poses and bins, if the pose rests on one tag.
     pub lone: Option<LoneTag>,
-    /// What weakens the answer.
+    /// Reasons for reduced confidence in the pose.
     pub warnings: Vec<Warning>,
     /// Ids of the tags the pose rests on, ascending.
     pub tags: Vec<u32>,
@@ -74,7 +74,7 @@ pub struct Located {
     pub rms_px: f64,
 }
 
-/// What weakens a pose (explained in codes.md).
+/// Reason for reduced confidence in a pose (explained in codes.md).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Warning {
@@ -86,7 +86,7 @@ pub enum Warning {
     OpenPose,
 }
 
-/// A bin less probable than this is given with a warning.
+/// Bin probability below which the pose has a warning.
 const SURE_BIN: f64 = 0.95;
 
 pub fn locate(seen: &[SeenTag], scene: &Scene, camera: &Camera) -> Result<Located, Abstention> {
@@ -184,7 +184,7 @@ pub fn locate_by(solver: Solver, seen: &[SeenTag], scene: &Scene, camera: &Camer
     })
 }
 
-/// Whether a pose's tags fit it worse than a camera's noise lets them. `rms_px` is of the camera's own image size.
+/// Returns true if a pose's tags fit worse than a camera's noise explains. `rms_px` refers to the camera's own image size.
 pub fn is_poor_fit(rms_px: f64, camera: &Camera) -> bool {
     rms_px * camera.deg_per_px() > consensus::MAX_NOISE_DEG
 }
@@ -193,7 +193,7 @@ fn viewpoint(pose: &Rigid, scene: &Scene) -> Viewpoint {
     Viewpoint::from_camera(pose.inverse() * Point3::origin(), scene.model.target_mm())
 }
 
-/// The pose a solver ends with and how far it may be off. `None` when the corners leave it open.
+/// Returns a solver's final pose and its uncertainty. `None` if the corners do not determine the pose.
 fn finished(
     solver: Solver,
     best: &PoseCandidate,

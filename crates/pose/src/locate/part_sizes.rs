@@ -1,4 +1,4 @@
-//! Some of the tags printed larger or smaller than their scene says: all cards and not the mat, or those of one printer.
+//! Wrong print size of some tags: all cards and not the mat, or those of one printer.
 
 use std::collections::BTreeSet;
 
@@ -10,17 +10,17 @@ use crate::scene::{Scene, Tag, TagFamily};
 #[derive(Debug, Clone, PartialEq)]
 pub struct PartSize {
     pub size: Factor,
-    /// Which tags, in ascending order.
+    /// Tags of the part, in ascending order.
     pub tags: Vec<(TagFamily, u32)>,
 }
 
-/// Of the photos with a tag, this share leaves it out where it is taken for wrong.
+/// Share of the photos with a tag that must reject it as an outlier for the tag to be suspect.
 const OFTEN: f64 = 0.6;
 
-/// A tag that faces up or down to this cosine lies flat.
+/// Absolute cosine between a tag's normal and the vertical above which the tag lies flat.
 const FLAT: f64 = 0.95;
 
-/// The parts that are likely to be wrong together, each with the factor of its sizes that fits the photos best.
+/// Fits a size factor to each plausible part of the tags.
 pub(super) fn fits(photos: &[&LocatedPhoto], scene: &Scene) -> Vec<PartSize> {
     let fit = |part: TagSet| {
         let size = factor::fit(FactorKind::PartSize(&part), photos, scene)?;
@@ -30,19 +30,20 @@ pub(super) fn fits(photos: &[&LocatedPhoto], scene: &Scene) -> Vec<PartSize> {
     parts(photos, scene).into_iter().filter_map(fit).collect()
 }
 
-/// Whether the pose of a photo leaves a tag out that is not where the others expect it.
+/// Returns true if the photo's pose rejected a tag as displaced.
 pub(super) fn has_outlier(photo: &LocatedPhoto) -> bool {
     !outliers(photo).is_empty()
 }
 
-/// Ids of the tags that are not where the others expect them.
+/// Returns the ids of the tags that the photo's pose rejected as displaced.
 fn outliers(photo: &LocatedPhoto) -> BTreeSet<u32> {
     let ignored = photo.result.iter().flat_map(|located| &located.ignored_tags);
     let is_off = |why: Ignored| matches!(why, Ignored::Moved | Ignored::CornerOff);
     ignored.filter(|tag| is_off(tag.why)).map(|tag| tag.id).collect()
 }
 
-/// Proper parts of the scene's tags of at least two: those left out again and again, those that lie flat and those that do not, those of one size.
+/// Returns the plausible proper parts of the scene's tags, of at least two each: those often rejected, those that lie flat and those that do not,
+/// those of one size.
 fn parts(photos: &[&LocatedPhoto], scene: &Scene) -> BTreeSet<TagSet> {
     let part = |is_in: &dyn Fn(&&Tag) -> bool| -> TagSet {
         scene

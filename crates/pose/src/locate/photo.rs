@@ -1,4 +1,4 @@
-//! The one way from a photo to its pose: decode its luma, find tags in it, fit the camera to it, locate.
+//! Pipeline from a photo to its pose: decode its luma, find tags, fit the camera to the photo, locate.
 
 use super::plain_view::still_missing;
 use super::{Abstention, Located, locate};
@@ -8,14 +8,14 @@ use crate::tags::{HOPELESS_BLUR_PX, SeenTag, TagDetector, limit_scale, sharpest_
 use scaleproof_core::geometry::Rigid;
 use scaleproof_photo::photo::{Luma, Photo, PhotoError};
 
-/// What a photo shows.
+/// Result of locating one photo.
 #[derive(Debug, Clone)]
 pub struct LocatedPhoto {
-    /// Every tag that was found, whether the scene has it or not.
+    /// All tags that were found, including those that the scene lacks.
     pub seen: Vec<SeenTag>,
     /// The camera as it fits this photo, or why it does not.
     pub fitted: Result<FittedCamera, SizeError>,
-    /// The pose, or why there is none.
+    /// The pose, or the reason for abstaining.
     pub result: Result<Located, Abstention>,
 }
 
@@ -33,8 +33,8 @@ pub fn locate_photo(
     Ok(locate_luma(luma.as_ref(), photo.turned_deg, None, scene, camera, tags))
 }
 
-/// Finds the tags in upright luma, which EXIF turned by `turned_deg`, and locates its camera: for frames that are no files. With a guess of the
-/// pose, `T_camera_model`, tags are looked for where it expects them, before the image is searched.
+/// Finds the tags in upright luma, which EXIF turned by `turned_deg`, and locates its camera: for frames that are no files. With a guess of the pose,
+/// `T_camera_model`, tags are first searched at their predicted positions.
 pub fn locate_luma(
     luma: &dyn Luma,
     turned_deg: u32,
@@ -71,7 +71,7 @@ pub fn locate_luma(
     }
 }
 
-/// The blur (σ, px) of an image without a sharp edge across it or along it: motion leaves those along its way sharp.
+/// Returns the blur (σ, px) of an image that has no sharp edge in one of both directions: motion keeps edges parallel to it sharp.
 fn blur_px(luma: &dyn Luma) -> Option<f64> {
     let limit = HOPELESS_BLUR_PX * limit_scale(luma.size());
     let [across, along] = sharpest_edges_px(luma.whole());
@@ -96,7 +96,7 @@ pub fn locate_tags(
 }
 
 impl LocatedPhoto {
-    /// The pose and the camera that projects into this photo.
+    /// Returns the pose and the camera that projects into this photo.
     pub fn pose_and_camera(self) -> Result<(Located, FittedCamera), Abstention> {
         let fitted = self.fitted?;
         Ok((self.result?, fitted))

@@ -1,8 +1,7 @@
-//! What a pose says the photo should show besides the tags it rests on: for a search that stops when nothing is missing, and against a pose that
-//! the photo contradicts.
+//! Tags that a pose predicts besides those it rests on: to stop a search when nothing is missing, and to reject a pose that the photo contradicts.
 //!
-//! A lone tag whose card was turned, or that was read as another one, fits perfectly in a wrong place. The rest of the image
-//! can contradict it: the model is not where the camera looks, or tags that should be in plain view are not there.
+//! A lone tag whose card was turned, or that was misread, fits perfectly in a wrong place. The rest of the image can contradict it: the model is
+//! outside the image, or tags that should be in plain view are missing.
 
 use super::abstention::Abstention;
 use super::matches::{self, Match, area_px};
@@ -13,19 +12,19 @@ use crate::scene::{Scene, Tag};
 use crate::tags::{ExpectedTag, SeenTag, StillMissing};
 use scaleproof_core::geometry::Rigid;
 
-/// Tags further turned away than this may be missed by a detector: cosine of 60°.
+/// Cosine of the angle (60°) beyond which a detector may miss a turned tag.
 const FACING: f64 = 0.5;
 
-/// Share of the image's sides within which a tag may be cut or blurred.
+/// Border of the image, as a share of its sides, within which a tag may be cut or blurred.
 const BORDER: f64 = 0.05;
 
-/// The model is not exactly its box, mm.
+/// Margin by which the model may exceed its box, mm.
 const MODEL_MARGIN_MM: f64 = 20.0;
 
-/// One tag may be covered by a hand or have fallen over; so many are not all missed.
+/// Number of missing tags that refutes a pose; a single one may be covered by a hand or have fallen over.
 const MISSING: usize = 2;
 
-/// Refuses the pose of a lone tag that the rest of the photo contradicts. `seen`: everything that was found in it.
+/// Returns an error for a pose of a lone tag that the rest of the photo contradicts. `seen`: all tags found in the photo.
 pub(super) fn check_plain_view(
     only: &Match,
     pose: &Rigid,
@@ -47,17 +46,17 @@ pub(super) fn check_plain_view(
     Ok(())
 }
 
-/// Whether a tag faces the camera, well inside the image, clear of the model, and looks at least as large as the one that was seen.
+/// Returns true if a tag faces the camera, lies well inside the image, is not hidden by the model, and covers at least `least_px2`.
 fn is_in_plain_view(tag: &Tag, least_px2: f64, pose: &Rigid, scene: &Scene, camera: &Camera) -> bool {
     let is_inside = |pixel: &[f64; 2]| is_inside(*pixel, camera, BORDER);
     let visible = scene.visible_px(tag, (FACING, MODEL_MARGIN_MM), pose, camera);
     visible.is_some_and(|seen| area_px(&seen) >= least_px2 && seen.iter().all(is_inside))
 }
 
-/// Without a pose, so many of the poses that the tags allow are believed for the time of a look.
+/// Maximum number of alternative poses from which tags are predicted while there is no unique pose.
 const MOST_POSES: usize = 4;
 
-/// What is still missing, by the pose found so far or, without one, by those the tags allow; without any tag, by a guess.
+/// Returns the tags still missing, predicted by the pose or, without one, by the poses the tags allow; without any tag, by a guess.
 pub(super) fn still_missing(
     located: &Result<Located, Abstention>,
     guess: Option<&Rigid>,
@@ -73,13 +72,13 @@ pub(super) fn still_missing(
     let is_seen = |expected: &ExpectedTag| seen.iter().any(|s| (s.family, s.id) == (expected.family, expected.id));
     let expected = poses.iter().flat_map(|pose| expected(pose, scene, camera));
     StillMissing {
-        // A pose that its tags hardly fit may be one that the tags not found yet refute.
+        // A pose with poor fit may be refuted by tags that are not found yet.
         has_pose: located.as_ref().is_ok_and(|l| !l.warnings.contains(&Warning::PoorFit)),
         expected: expected.filter(|expected| !is_seen(expected)).collect(),
     }
 }
 
-/// The different poses that tags allow which were refused as too few or not good enough.
+/// Returns the different poses that the tags allow, although refused as ambiguous or imprecise.
 fn allowed(seen: &[SeenTag], scene: &Scene, camera: &Camera) -> Vec<Rigid> {
     let Ok((matches, _)) = matches::match_tags(seen, scene) else {
         return Vec::new();
@@ -99,13 +98,13 @@ fn allowed(seen: &[SeenTag], scene: &Scene, camera: &Camera) -> Vec<Rigid> {
     poses
 }
 
-/// Tags turned further away than this show no code: cosine of 78°.
+/// Cosine of the angle (78°) beyond which a turned tag cannot be read.
 const LEAST_FACING: f64 = 0.2;
 
-/// A tag in plain view whose bit cells are smaller than this may be missed, px.
+/// Size of a tag's bit cells, px, below which a tag in plain view may be missed.
 const PLAIN_CELL_PX: f64 = 3.0;
 
-/// The tags that a pose lets a photo show, and where.
+/// Returns the tags that a pose predicts in the photo, with their corners.
 fn expected(pose: &Rigid, scene: &Scene, camera: &Camera) -> Vec<ExpectedTag> {
     let expected = |tag: &Tag| {
         let corners_px = scene.visible_px(tag, (LEAST_FACING, 0.0), pose, camera)?;
@@ -121,7 +120,7 @@ fn expected(pose: &Rigid, scene: &Scene, camera: &Camera) -> Vec<ExpectedTag> {
     scene.tags.iter().filter_map(expected).collect()
 }
 
-/// Whether a pixel lies in the image without a border, a share of its sides.
+/// Returns true if a pixel lies in the image without its border, given as a share of the sides.
 fn is_inside([x, y]: [f64; 2], camera: &Camera, border: f64) -> bool {
     let within = |v: f64, size: u32| {
         let size = f64::from(size);

@@ -1,19 +1,19 @@
-//! Both poses that a planar target, as a tag or a board, may have (IPPE: Collins & Bartoli, "Infinitesimal Plane-Based Pose Estimation", IJCV 2014).
+//! Both poses of a planar target such as a tag or a board (IPPE: Collins & Bartoli, "Infinitesimal Plane-Based Pose Estimation", IJCV 2014).
 
 use nalgebra::{Matrix2, Matrix3, Point3, Vector2, Vector3};
 
 use crate::camera::Camera;
 use scaleproof_core::geometry::{Rigid, homography, rigid};
 
-/// `T_camera_plane` of the two branches of a planar target; none when its points are on a line or the lens model does not reach them.
-/// `in_plane_mm`: at least four points in the target's own frame, z = 0.
+/// Returns `T_camera_plane` of both branches of a planar target; empty if its points are collinear or beyond the lens model's range. `in_plane_mm`:
+/// at least four points in the target's own frame, z = 0.
 pub fn planar_branches(in_plane_mm: &[Point3<f64>], seen_px: &[[f64; 2]], camera: &Camera) -> Vec<Rigid> {
     both(in_plane_mm, seen_px, camera).map_or_else(Vec::new, Vec::from)
 }
 
 fn both(in_plane_mm: &[Point3<f64>], seen_px: &[[f64; 2]], camera: &Camera) -> Option<[Rigid; 2]> {
     let seen = directions(seen_px, camera)?;
-    // The branches differ in how the plane is tilted about the origin, which is where the points are.
+    // The branches differ by the tilt of the plane about the origin, so the points are centred there.
     let middle = in_plane_mm.iter().map(|p| p.coords).sum::<Vector3<f64>>() / in_plane_mm.len() as f64;
     let centred: Vec<_> = in_plane_mm.iter().map(|p| p - middle).collect();
     let plane: Vec<_> = centred.iter().map(|p| [p.x, p.y]).collect();
@@ -26,7 +26,7 @@ fn both(in_plane_mm: &[Point3<f64>], seen_px: &[[f64; 2]], camera: &Camera) -> O
     Some([pose(one)?, pose(other)?])
 }
 
-/// The two rotations that agree with the map of the plane to depth 1 in the neighbourhood of its origin (section 4 of the paper).
+/// Returns the two rotations that agree with the homography from the plane to depth 1 near its origin (section 4 of the paper).
 fn rotations(map: &Matrix3<f64>) -> Option<[Matrix3<f64>; 2]> {
     let h = map / map[(2, 2)];
     let centre = Vector2::new(h[(0, 2)], h[(1, 2)]);
@@ -38,7 +38,7 @@ fn rotations(map: &Matrix3<f64>) -> Option<[Matrix3<f64>; 2]> {
     if !(size.is_finite() && size > 0.0) {
         return None;
     }
-    // The upper left of the rotation as seen along the ray, and what unit columns leave for the third row, up to its sign.
+    // Upper left block of the rotation in the frame of the ray, and the remainder for the third row from the columns' unit length, up to its sign.
     let upper = scaled / size;
     let left = Matrix2::identity() - upper.transpose() * upper;
     let [b1, b2] = [left[(0, 0)], left[(1, 1)]].map(|v| v.max(0.0).sqrt());
@@ -51,24 +51,24 @@ fn rotations(map: &Matrix3<f64>) -> Option<[Matrix3<f64>; 2]> {
     Some([1.0, -1.0].map(|sign| nearest_rotation(&branch(sign))))
 }
 
-/// The rotation by the smallest angle that takes the optical axis to the direction of a point at depth 1.
+/// Returns the smallest rotation from the optical axis to the direction of a point at depth 1.
 fn towards(point: Vector2<f64>) -> Matrix3<f64> {
     let direction = Vector3::new(point.x, point.y, 1.0);
     let turn = nalgebra::Rotation3::rotation_between(&Vector3::z(), &direction);
     turn.map_or_else(Matrix3::identity, nalgebra::Rotation3::into_inner)
 }
 
-/// The points at depth 1 that pixels show; `None` where the lens model does not reach one.
+/// Returns the points at depth 1 that pixels show; `None` if one is beyond the lens model's range.
 fn directions(pixels: &[[f64; 2]], camera: &Camera) -> Option<Vec<[f64; 2]>> {
     pixels.iter().map(|pixel| camera.point_at(*pixel)).collect()
 }
 
-/// The rows of (1, 0, −u) and (0, 1, −v), squared and added: what a point (X, Y, Z) leaves of (X − uZ)² + (Y − vZ)².
+/// Returns the matrix of the quadratic form (X − uZ)² + (Y − vZ)² of a point (X, Y, Z).
 pub(super) fn square([u, v]: [f64; 2]) -> Matrix3<f64> {
     Matrix3::new(1.0, 0.0, -u, 0.0, 1.0, -v, -u, -v, u * u + v * v)
 }
 
-/// The translation that leaves the least Σ (X − uZ)² + (Y − vZ)² for a rotation; `None` when the directions leave it open.
+/// Returns the translation that minimises Σ (X − uZ)² + (Y − vZ)² for a rotation; `None` if the directions do not determine it.
 pub(super) fn translation(rotation: &Matrix3<f64>, model: &[Point3<f64>], seen: &[[f64; 2]]) -> Option<Vector3<f64>> {
     let (mut sum, mut moved) = (Matrix3::zeros(), Vector3::zeros());
     for (point, ray) in model.iter().zip(seen) {
@@ -79,7 +79,7 @@ pub(super) fn translation(rotation: &Matrix3<f64>, model: &[Point3<f64>], seen: 
     Some(-sum.try_inverse()? * moved)
 }
 
-/// The rotation nearest to a matrix (Frobenius norm; Kabsch 1976).
+/// Returns the rotation nearest to a matrix (Frobenius norm; Kabsch 1976).
 pub(super) fn nearest_rotation(m: &Matrix3<f64>) -> Matrix3<f64> {
     let svd = m.svd(true, true);
     let (Some(u), Some(v)) = (svd.u, svd.v_t) else {

@@ -1,4 +1,4 @@
-//! Levenberg–Marquardt over corners: the pose that leaves them nearest to where they were seen.
+//! Levenberg–Marquardt refinement of a pose over the corners' reprojection errors.
 
 use nalgebra::{Matrix6, Vector6};
 
@@ -7,10 +7,10 @@ use crate::camera::Camera;
 use scaleproof_core::geometry::{Rigid, rigid::stepped};
 use scaleproof_core::least_squares::{LeastSquares, Limits, minimise};
 
-/// A Huber threshold that no residual reaches: plain least squares.
+/// Infinite Huber threshold: plain least squares.
 pub(super) const NO_HUBER: f64 = f64::INFINITY;
 
-/// A step that lowers the cost by less than (1e-7 px)² is the last.
+/// Convergence limits: the last step lowers the cost by less than (1e-7 px)².
 const LIMITS: Limits = Limits {
     first_damping: 1e-4,
     most_trials: 50,
@@ -18,7 +18,7 @@ const LIMITS: Limits = Limits {
     absolute_gain: 1e-14,
 };
 
-/// Whatever a step below a thousandth of the cost would change is far within the noise.
+/// Coarse convergence limits: the change by further steps, below a thousandth of the cost, is far within the noise.
 const ROUGH: Limits = Limits {
     relative_gain: 1e-3,
     ..LIMITS
@@ -26,24 +26,25 @@ const ROUGH: Limits = Limits {
 
 pub(super) struct CornerEquations<'a> {
     pose: Rigid,
-    /// JᵀWJ by (ω, υ) of [`stepped`].
+    /// JᵀWJ by the step (ω, υ) of [`stepped`].
     pub information: Matrix6<f64>,
     gradient: Vector6<f64>,
-    /// Σ 2ρ(|r|), px²: the sum of squares as long as no residual is longer than the threshold.
+    /// Σ 2ρ(|r|), px²: the sum of squares if no residual is longer than the threshold.
     cost: f64,
     corners: &'a Corners,
     camera: &'a Camera,
     huber_px: f64,
 }
 
-/// The pose at the minimum near `start`. Residuals longer than `huber_px` count linearly instead of squared (Huber 1964).
-/// `None` when a corner has no pixel at the start.
+/// Returns the pose at the minimum near `start`. Residuals longer than `huber_px` count linearly instead of squared (Huber 1964). `None` if a corner
+/// has no pixel at the start.
 pub(super) fn refine(start: &Rigid, corners: &Corners, camera: &Camera, huber_px: f64) -> Option<Rigid> {
     let start = CornerEquations::at(*start, corners, camera, huber_px)?;
     Some(minimise(start, &LIMITS).pose)
 }
 
-/// The pose near the minimum near `start`, for poses of which only the scatter counts, and its cost (px²). `None` when a corner has no pixel at the start.
+/// Returns an approximate minimum near `start` and its cost (px²), for poses of which only the scatter matters. `None` if a corner has no pixel at
+/// the start.
 pub(super) fn refine_roughly(start: &Rigid, corners: &Corners, camera: &Camera) -> Option<(Rigid, f64)> {
     let start = CornerEquations::at(*start, corners, camera, NO_HUBER)?;
     let end = minimise(start, &ROUGH);
@@ -51,7 +52,7 @@ pub(super) fn refine_roughly(start: &Rigid, corners: &Corners, camera: &Camera) 
 }
 
 impl<'a> CornerEquations<'a> {
-    /// `None` when a corner has no pixel or a number is not finite.
+    /// Builds the normal equations at a pose; `None` if a corner has no pixel or a number is not finite.
     pub(super) fn at(
         pose: Rigid,
         corners: &'a Corners,
@@ -82,7 +83,7 @@ impl<'a> CornerEquations<'a> {
     }
 }
 
-/// The weight of a residual, and what it adds to the cost.
+/// Returns the Huber weight of a residual, and its contribution to the cost.
 fn weighed(length_px: f64, huber_px: f64) -> (f64, f64) {
     if length_px > huber_px {
         (huber_px / length_px, 2.0 * huber_px * length_px - huber_px * huber_px)
@@ -91,7 +92,7 @@ fn weighed(length_px: f64, huber_px: f64) -> (f64, f64) {
     }
 }
 
-/// Adds a row of the Jacobian to the normal equations, of which only the lower triangle is kept.
+/// Adds a row of the Jacobian to the normal equations (lower triangle only).
 fn add_row(information: &mut [[f64; 6]; 6], gradient: &mut [f64; 6], row: [f64; 6], weight: f64, off: f64) {
     for i in 0..6 {
         let weighted = weight * row[i];
@@ -113,7 +114,7 @@ impl LeastSquares for CornerEquations<'_> {
     }
 }
 
-/// Distance between each seen corner and its projection, px; `None` when a corner has no pixel.
+/// Returns the difference of each corner's projection from its seen position, px; `None` if a corner has no pixel.
 pub(super) fn residuals_px(pose: &Rigid, corners: &Corners, camera: &Camera) -> Option<Vec<[f64; 2]>> {
     let residual = |(point, [u, v]): (&nalgebra::Point3<f64>, &[f64; 2])| {
         let [x, y] = camera.project(&(pose * point))?;
@@ -123,7 +124,7 @@ pub(super) fn residuals_px(pose: &Rigid, corners: &Corners, camera: &Camera) -> 
     corners.model_mm.iter().zip(&corners.image_px).map(residual).collect()
 }
 
-/// Root mean square distance of corners from where they were seen, px.
+/// Returns the root mean square distance of the corners from their projections, px.
 pub(super) fn rms_px(pose: &Rigid, corners: &Corners, camera: &Camera) -> Option<f64> {
     let residuals = residuals_px(pose, corners, camera)?;
     let sum: f64 = residuals.iter().flatten().map(|r| r * r).sum();

@@ -1,4 +1,4 @@
-//! What makes all cards of a set other than their scene says: all turned alike on their paper, or all with ids that are higher by one number.
+//! Faults common to all cards of a scene: all turned alike on their paper, or all ids shifted by one number.
 
 use std::collections::BTreeSet;
 
@@ -7,34 +7,34 @@ use super::{LocatedPhoto, matches};
 use crate::scene::{Scene, TagFamily};
 use crate::tags::SeenTag;
 
-/// How all cards differ from their scene, and what speaks for it.
+/// Fault common to all cards, and the evidence for it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Relabelled {
     pub cards: CardFault,
-    /// Photos that were tried and show two tags or more.
+    /// Number of photos that were tried and show two tags or more.
     pub telling: usize,
-    /// Those of them that are located without doubt when the fault is taken away.
+    /// Number of those that are located reliably once the fault is corrected.
     pub healed: usize,
 }
 
-/// One fault of all cards, in the units of `[cards]` in `scene.toml`.
+/// Fault common to all cards, in the units of `[cards]` in `scene.toml`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CardFault {
-    /// Clockwise as one looks at them, degrees: 90, 180 or 270.
+    /// All cards are turned clockwise as one looks at them, degrees: 90, 180 or 270.
     Turned { deg: u32 },
-    /// The cards' ids are higher by this than the scene's, or lower where it is negative.
+    /// All cards' ids are higher than the scene's by this number, or lower if it is negative.
     Ids { higher_by: i64 },
 }
 
-/// So many photos, spread evenly, are tried.
+/// Number of photos, spread evenly, that are tried.
 const TRIED: usize = 12;
-/// So many photos must be healed, and this share of those that tell.
+/// Minimum number of healed photos, and their minimum share of the telling ones.
 const FEWEST: usize = 3;
 const MOST: f64 = 0.8;
-/// Ids shifted in more ways than this could be anything.
+/// Maximum number of possible id shifts; with more the evidence is too weak.
 const MOST_SHIFTS: usize = 64;
 
-/// The one fault without which nearly all photos are good; nothing where there is none, or several do as well.
+/// Finds the only fault whose correction makes nearly all photos good; `None` if there is none or more than one.
 pub(super) fn find(photos: &[&LocatedPhoto], scene: &Scene) -> Option<Relabelled> {
     let photos = spread(photos, TRIED);
     let turned = [90, 180, 270].map(|deg| CardFault::Turned { deg });
@@ -44,7 +44,7 @@ pub(super) fn find(photos: &[&LocatedPhoto], scene: &Scene) -> Option<Relabelled
     healing.next().is_none().then_some(found)
 }
 
-/// The shifts that make every tag that was seen one of the scene.
+/// Returns the id shifts that map every seen tag to one of the scene.
 fn shifts(photos: &[&LocatedPhoto], scene: &Scene) -> Vec<CardFault> {
     let seen: BTreeSet<_> = photos.iter().flat_map(|p| &p.seen).map(|t| (t.family, t.id)).collect();
     let Some((family, lowest)) = seen.first().copied() else {
@@ -64,7 +64,7 @@ fn lower(id: u32, by: i64) -> Option<u32> {
     u32::try_from(i64::from(id) - by).ok()
 }
 
-/// What speaks for a fault, if enough does.
+/// Returns the evidence for a fault, if there is enough.
 fn healing(cards: CardFault, photos: &[&LocatedPhoto], scene: &Scene) -> Option<Relabelled> {
     let righted = photos.iter().filter_map(|photo| {
         let seen: Vec<SeenTag> = photo.seen.iter().map(|tag| cards.righted(tag)).collect();
@@ -82,7 +82,7 @@ fn healing(cards: CardFault, photos: &[&LocatedPhoto], scene: &Scene) -> Option<
 }
 
 impl CardFault {
-    /// The tag as a scene without this fault has it.
+    /// Returns the tag with this fault corrected.
     fn righted(self, tag: &SeenTag) -> SeenTag {
         let mut righted = tag.clone();
         match self {
@@ -93,7 +93,7 @@ impl CardFault {
         righted
     }
 
-    /// What the cards are, as a clause.
+    /// Returns a clause that describes the fault.
     pub(super) fn clause(self) -> String {
         match self {
             CardFault::Turned { deg: 180 } => {
@@ -105,7 +105,7 @@ impl CardFault {
         }
     }
 
-    /// The line of `[cards]` that says so.
+    /// Returns the line of `[cards]` in `scene.toml` that declares the fault.
     pub(super) fn line(self) -> String {
         match self {
             CardFault::Turned { deg } => format!("turned_deg = {deg}"),

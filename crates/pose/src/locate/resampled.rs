@@ -1,7 +1,7 @@
-//! What a lone tag leaves open, by the poses of the same tag with other noise (parametric bootstrap: Efron & Tibshirani 1993, section 6.5).
+//! Uncertainty of a lone tag by refitting its pose under resampled noise (parametric bootstrap: Efron & Tibshirani 1993, section 6.5).
 //!
-//! Eight numbers and six unknowns: the two branches of a planar target exchange places, and near to frontal the tilt enters by its square. First
-//! derivatives at one pose know neither.
+//! Eight numbers determine six unknowns: the two branches of a planar target swap, and near frontal views the tilt enters by its square. First
+//! derivatives at one pose describe neither.
 
 use nalgebra::Matrix6;
 use rand::SeedableRng;
@@ -18,17 +18,18 @@ use crate::tags::middle_px;
 use scaleproof_core::geometry::{Rigid, angle::turn, rigid};
 use scaleproof_core::statistics::normal;
 
-/// So many poses tell a share of 1 in 100 from none.
+/// Number of sampled poses, enough to tell a share of 1 in 100 from none.
 const DRAWS: usize = 200;
 
-/// The poses that a lone tag might have been seen from, each with its viewpoint.
+/// Sampled poses of a lone tag, each with its viewpoint.
 pub(super) struct Resampled(Vec<(Rigid, Viewpoint)>);
 
 impl Resampled {
-    /// By normal noise of `noise_px` per axis about the corners that were seen, and by what the tag may look larger or smaller. The same for the same tag.
+    /// Samples poses under normal noise of `noise_px` per axis on the seen corners, and under the tag's size error ([`Match::off_alike`]).
+    /// Deterministic.
     pub(super) fn new(only: &Match, noise_px: f64, scene: &Scene, camera: &Camera) -> Resampled {
         let mut rng = Pcg64Mcg::seed_from_u64(0);
-        // Undistorted corners differ from seen ones in how much each counts, which hardly differs within a tag, and are fitted in half the time.
+        // Fitting undistorted corners takes half the time; it weights corners otherwise, but hardly so within one tag.
         let straight = camera.straight();
         let (middle, off_alike) = (middle_px(&only.corners_px), only.off_alike());
         let pose = |_| {
@@ -52,7 +53,7 @@ impl Resampled {
         Resampled((0..DRAWS).filter_map(pose).collect())
     }
 
-    /// Covariance of the step from a pose to the true one; `None` without a pose.
+    /// Returns the covariance of the step from a pose to the true one; `None` without samples.
     pub(super) fn covariance(&self, from: &Rigid) -> Option<Matrix6<f64>> {
         let squares = self.0.iter().map(|(pose, _)| {
             let step = rigid::step_between(from, pose);
@@ -61,7 +62,7 @@ impl Resampled {
         (!self.0.is_empty()).then(|| squares.sum::<Matrix6<f64>>() / self.0.len() as f64)
     }
 
-    /// Root mean square differences from a viewpoint; infinite without a pose.
+    /// Returns the root mean square differences from a viewpoint; infinite without samples.
     pub(super) fn sigma(&self, from: &Viewpoint) -> Sigma {
         let rms = |off: &dyn Fn(&Viewpoint) -> f64| match self.0.len() {
             0 => f64::INFINITY,
@@ -74,7 +75,7 @@ impl Resampled {
         }
     }
 
-    /// The share in a bin. Never all and never none of them: half a pose more is in it, and half a one is not.
+    /// Returns the smoothed share of samples in a bin: half a sample is added to both sides, so it is never 0 or 1.
     pub(super) fn share_in(&self, bin: &Bin, bins: &Bins) -> f64 {
         self.share(|v| bins.bin_of(v) == *bin)
     }
@@ -84,7 +85,7 @@ impl Resampled {
         self.share(|v| turn(bin.azimuth_deg, v.azimuth_deg).abs() > edge_deg)
     }
 
-    /// The bins of at least one pose, the most probable first.
+    /// Returns the bins of the samples with their probabilities, the most probable first.
     pub(super) fn bins(&self, bins: &Bins) -> Vec<BinProbability> {
         let mut all: Vec<Bin> = self.0.iter().map(|(_, v)| bins.bin_of(v)).collect();
         all.sort_unstable();
@@ -103,7 +104,7 @@ impl Resampled {
     }
 }
 
-/// The better of the two poses of a lone tag.
+/// Returns the better of the two refined poses of a lone tag.
 fn best_branch(only: &Match, camera: &Camera) -> Option<Rigid> {
     let corners = Corners::new(std::slice::from_ref(only));
     let to_model = only.tag.pose().inverse();

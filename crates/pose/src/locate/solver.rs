@@ -1,4 +1,4 @@
-//! The pose solvers, from the simplest to the default, each with what the one before lacks: [`super::planar`] and [`super::sqpnp`] solve directly,
+//! Pose solvers, from the simplest to the default, each adding to the one before: [`super::planar`] and [`super::sqpnp`] solve directly,
 //! [`super::refine`] refines.
 
 use super::matches::{Corners, Match};
@@ -11,9 +11,9 @@ use scaleproof_core::geometry::Rigid;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Solver {
-    /// Both planar branches of the largest tag alone (IPPE: Collins & Bartoli 2014), as they come.
+    /// Both planar branches of the largest tag alone (IPPE: Collins & Bartoli 2014), unrefined.
     BestTag,
-    /// SQPnP over the corners of all tags (Terzakis & Lourakis 2020), as it comes.
+    /// SQPnP over the corners of all tags (Terzakis & Lourakis 2020), unrefined.
     Sqpnp,
     /// SQPnP, then Levenberg–Marquardt over all corners, distortion included.
     SqpnpRefined,
@@ -46,7 +46,7 @@ impl Solver {
         }
     }
 
-    /// Every pose that might be the one, unsorted.
+    /// Returns all candidate poses, unsorted.
     pub(super) fn candidates(self, matches: &[Match], camera: &Camera) -> Vec<PoseCandidate> {
         let corners = Corners::new(matches);
         let refined = |starts: Vec<Rigid>| {
@@ -70,17 +70,17 @@ impl Solver {
     }
 }
 
-/// A pose and how far it leaves the corners from where they were seen.
+/// Candidate pose and its root mean square residual.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PoseCandidate {
     pub pose: Rigid,
     pub rms_px: f64,
 }
 
-/// So many of the largest tags give their planar branches as starts; smaller ones add time and no new pose.
+/// Number of the largest tags whose planar branches are used as starts; smaller ones add time and no new pose.
 const BRANCHED_TAGS: usize = 3;
 
-/// `T_camera_model` by both planar branches of each of the largest tags.
+/// Returns `T_camera_model` by both planar branches of each of the largest tags.
 fn branches(matches: &[Match], camera: &Camera) -> Vec<Rigid> {
     let branches = |m: Match| {
         let to_model = m.tag.pose().inverse();

@@ -1,9 +1,9 @@
-//! A pose from many points at once, without a start (SQPnP: Terzakis & Lourakis, "A Consistently Fast and Globally Optimal Solution to the
+//! Pose from many points at once, without an initial guess (SQPnP: Terzakis & Lourakis, "A Consistently Fast and Globally Optimal Solution to the
 //! Perspective-n-Point Problem", ECCV 2020).
 //!
-//! The nine numbers of the rotation leave a quadratic form once the best translation is put in. Its eigenvectors of small eigenvalues are
-//! where the search starts, as in the paper; the search itself walks on the rotations (Levenberg–Marquardt on their tangents) where the paper
-//! solves quadratic programs with linearised constraints. Both end in the same minima; `tests/solvers.rs` holds it against OpenCV's.
+//! Substituting the best translation leaves a quadratic form in the nine entries of the rotation. The search starts at its eigenvectors of small
+//! eigenvalues, as in the paper; it proceeds on the rotation manifold (Levenberg–Marquardt on the tangent space), where the paper solves quadratic
+//! programs with linearised constraints. Both converge to the same minima; `tests/solvers.rs` compares with OpenCV.
 
 use nalgebra::{Matrix3, Point3, Rotation3, SMatrix, SVector, SymmetricEigen, Vector3};
 
@@ -17,8 +17,8 @@ type Nine = SVector<f64, 9>;
 
 const FEWEST_POINTS: usize = 3;
 
-/// `T_camera_model` with the least Σ (X − uZ)² + (Y − vZ)² over all points, in front of the camera. Pixels that the lens model does not reach
-/// are left out; `None` when fewer than three are left or they leave the pose open.
+/// Returns the `T_camera_model` that minimises Σ (X − uZ)² + (Y − vZ)² over all points, in front of the camera. Pixels beyond the lens model's range
+/// are ignored; `None` if fewer than three are left or they do not determine the pose.
 pub fn sqpnp(model_mm: &[Point3<f64>], image_px: &[[f64; 2]], camera: &Camera) -> Option<Rigid> {
     let reached = model_mm.iter().zip(image_px);
     let reached = reached.filter_map(|(point, pixel)| Some((*point, camera.point_at(*pixel)?)));
@@ -26,7 +26,7 @@ pub fn sqpnp(model_mm: &[Point3<f64>], image_px: &[[f64; 2]], camera: &Camera) -
     if model.len() < FEWEST_POINTS {
         return None;
     }
-    // Centred and scaled, so that all numbers are of the size of 1.
+    // Centred and scaled, so that all numbers are near 1.
     let count = model.len() as f64;
     let mean = model.iter().map(|p| p.coords).sum::<Vector3<f64>>() / count;
     let scale = model.iter().map(|p| (p.coords - mean).norm()).sum::<f64>() / count;
@@ -36,7 +36,7 @@ pub fn sqpnp(model_mm: &[Point3<f64>], image_px: &[[f64; 2]], camera: &Camera) -
     (translation.iter().all(|v| v.is_finite())).then(|| rigid::from_matrix(rotation, translation))
 }
 
-/// The best of the minima from both sides of each eigenvector, as long as a further one can be better (section 3.3 of the paper).
+/// Returns the best of the minima from both signs of each eigenvector; stops when no further one can be better (section 3.3 of the paper).
 fn best_rotation(model: &[Point3<f64>], seen: &[[f64; 2]]) -> Option<Matrix3<f64>> {
     let form = form(model, seen)?;
     let eigen = SymmetricEigen::try_new(form, f64::EPSILON, 1000)?;
@@ -51,7 +51,7 @@ fn best_rotation(model: &[Point3<f64>], seen: &[[f64; 2]]) -> Option<Matrix3<f64
             let start = Matrix3::from_row_iterator((sign * eigen.eigenvectors.column(i)).iter().copied());
             let found = minimum(nearest_rotation(&start), &form);
             let cost = cost(&found, &form);
-            // The points are centred: their middle is where the translation puts it.
+            // The points are centred: the translation is the position of their mean.
             let is_in_front = || translation(&found, model, seen).is_some_and(|t| t.z > 0.0);
             if best.is_none_or(|(least, _)| cost < least) && is_in_front() {
                 best = Some((cost, found));
@@ -61,7 +61,7 @@ fn best_rotation(model: &[Point3<f64>], seen: &[[f64; 2]]) -> Option<Matrix3<f64
     best.map(|(_, rotation)| rotation)
 }
 
-/// The quadratic form of a rotation's nine numbers (row by row) when the translation follows it.
+/// Returns the quadratic form of a rotation's nine entries (row by row) with the translation eliminated.
 fn form(model: &[Point3<f64>], seen: &[[f64; 2]]) -> Option<QuadraticForm> {
     let of_point = |p: &Point3<f64>| SMatrix::<f64, 3, 9>::from_fn(|i, j| if j / 3 == i { p[j % 3] } else { 0.0 });
     let (mut sum, mut crossed) = (Matrix3::zeros(), SMatrix::<f64, 3, 9>::zeros());

@@ -1,8 +1,8 @@
-//! How far a pose may be off: its covariance, and what that means for the viewpoint and the bin.
+//! Uncertainty of a pose: its covariance, and the resulting standard deviations of the viewpoint and probability of the bin.
 //!
-//! In it are errors of single corners, paper that bends, and tags that stand a little off; the residuals say how much of each, beside what is
-//! expected. `camera_doubt` adds what the camera is known to. What is wrong in the same way in every photo beyond that (another lens's camera file, a wrong
-//! tag size) leaves the residuals small and is not.
+//! It includes errors of single corners, bent paper, and displaced tags, each estimated from the residuals and a prior. `camera_doubt` adds the
+//! camera's known errors. Errors common to all photos beyond these (another lens's camera file, a wrong tag size) leave the residuals small and are
+//! not included.
 
 use nalgebra::{Matrix3, Matrix6, Matrix6x3, Point3, SMatrix, SVector, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
@@ -16,13 +16,12 @@ use crate::tags::middle_px;
 use scaleproof_core::geometry::{Rigid, angle::turn};
 use scaleproof_core::statistics::normal::between;
 
-/// Corner noise that is expected before a residual was seen, px per axis, and how many residuals that expectation weighs: eight
-/// numbers of a lone tag less six of its pose are too few to know the noise from.
+/// Prior of the corner noise, px per axis, and its weight in residuals: eight numbers of a lone tag less six of its pose are too few to estimate the
+/// noise.
 const EXPECTED_NOISE_PX: f64 = 0.3;
 const EXPECTATION_WEIGHT: f64 = 4.0;
 
-/// Residuals longer than this many times the noise count linearly. At 2 the estimate is as good as least squares (98 %) where the
-/// noise is normal, and better where it has tails.
+/// Huber threshold in multiples of the noise. At 2 the estimate is as good as least squares (98 %) for normal noise, and better for heavy tails.
 const HUBER_SIGMAS: f64 = 2.0;
 
 /// Standard deviations of a viewpoint, by corner noise, bent paper, tags that stand off, and what the camera's focal length and principal point are known to.
@@ -37,7 +36,8 @@ pub struct Sigma {
 }
 
 impl Sigma {
-    /// Of the viewpoint of a pose `T_camera_model` whose step (ω in rad, υ in mm) has this covariance, by first derivatives; infinite azimuth straight above.
+    /// Propagates the covariance of a step (ω in rad, υ in mm) of the pose `T_camera_model` to its viewpoint, by first derivatives; infinite azimuth
+    /// straight above.
     pub(super) fn new(covariance: &Matrix6<f64>, pose: &Rigid, target_mm: Point3<f64>) -> Sigma {
         // A step moves the camera centre by -Rᵀυ: turning the camera about itself leaves it where it is.
         let shift = covariance.fixed_view::<3, 3>(3, 3);
@@ -66,7 +66,7 @@ impl Sigma {
         }
     }
 
-    /// Of the sum of two independent errors.
+    /// Returns the standard deviations of the sum of two independent errors.
     pub fn and(&self, other: &Sigma) -> Sigma {
         Sigma {
             azimuth_deg: self.azimuth_deg.hypot(other.azimuth_deg),
@@ -80,29 +80,28 @@ impl Sigma {
 pub struct Uncertainty {
     /// Covariance of the step (ω in rad, υ in mm) from the pose to the true one, [`scaleproof_core::geometry::rigid::stepped`].
     pub covariance: Matrix6<f64>,
-    /// Noise of a corner, px per axis, the mean over the tags.
+    /// Corner noise, px per axis, averaged over the tags.
     pub noise_px: f64,
 }
 
 impl Uncertainty {
-    /// How likely a rival is, relative to the best pose, by `count` corners with normal noise.
+    /// Returns the likelihood of a rival relative to the best pose, for `count` corners with normal noise.
     pub(super) fn likelihood(&self, rival: &PoseCandidate, best: &PoseCandidate, count: usize) -> f64 {
         let squares = |c: &PoseCandidate| count as f64 * c.rms_px * c.rms_px;
         (-(squares(rival) - squares(best)).max(0.0) / (2.0 * self.noise_px * self.noise_px)).exp()
     }
 }
 
-/// The pose that is least disturbed by single bad corners, from one near it, and how far it may be off. `None` when the corners
-/// leave it open.
+/// Computes the robust pose near `start` and its uncertainty. `None` if the corners do not determine it.
 ///
-/// Scale and pose in turn: Huber's Proposal 2 (Huber 1981, section 6.7) for residuals in the plane; covariance by his equation
-/// 7.6.5, with the expected noise weighed in.
+/// Alternates scale and pose: Huber's Proposal 2 (Huber 1981, section 6.7) for two-dimensional residuals; covariance by his equation 7.6.5, with the
+/// prior of the noise included.
 pub(super) fn robust(start: &Rigid, corners: &Corners, camera: &Camera) -> Option<(Rigid, Uncertainty)> {
     let mut pose = *start;
     let mut noise_px = EXPECTED_NOISE_PX;
     for _ in 0..6 {
         let clipped = Clipped::new(&pose, corners, camera, HUBER_SIGMAS * noise_px)?;
-        // Of normal residuals, Huber's ψ leaves this share of the squares: 1 - exp(-HUBER_SIGMAS²/2).
+        // Share of the squares of normal residuals that Huber's ψ keeps: 1 - exp(-HUBER_SIGMAS²/2).
         let kept = 1.0 - (-HUBER_SIGMAS * HUBER_SIGMAS / 2.0f64).exp();
         noise_px = pooled(clipped.squares / kept, clipped.freedom).sqrt();
         pose = refine::refine(&pose, corners, camera, HUBER_SIGMAS * noise_px)?;
@@ -110,15 +109,15 @@ pub(super) fn robust(start: &Rigid, corners: &Corners, camera: &Camera) -> Optio
     Some((pose, at(&pose, corners, camera, HUBER_SIGMAS * noise_px)?))
 }
 
-/// Noise of a corner, px per axis: what any photo has, and the share of a tag's side that real paper adds by bending. Measured on 112 tags alone
-/// in photos of iPhones 4S and 13, tags of 26 to 390 px: with these, 71 to 82 % of azimuths and pitches are within 1 σ, 90 to 92 % within 2.
+/// Corner noise, px per axis: of any photo, and by bent paper as a share of a tag's side. Measured on 112 tags alone in photos of iPhones 4S and 13,
+/// tags of 26 to 390 px: with these, 71 to 82 % of azimuths and elevations are within 1 σ, 90 to 92 % within 2.
 const NOISE_PX: f64 = 0.3;
 const BENT_PAPER: f64 = 0.009;
 
-/// Variance of the logarithm of a photo's noise variance: renders have a tenth of what is expected, bent cards three times as much.
+/// Variance of the logarithm of a photo's noise variance: renders have a tenth of the expected variance, bent cards three times as much.
 pub const SPREAD: f64 = 1.2;
 
-/// The variance that is expected of a tag's corners, px² per axis: of any corner, and of paper that bends.
+/// Returns the expected variance of a tag's corners, px² per axis: of any corner, and by bent paper.
 pub fn expected_px2(corners_px: &[[f64; 2]; 4]) -> f64 {
     NOISE_PX * NOISE_PX + BENT_PAPER * BENT_PAPER * area_px(corners_px)
 }
@@ -127,30 +126,30 @@ struct TagTerms {
     information: Matrix6<f64>,
     /// JᵀT, with the derivatives T of its corners by a displacement of the tag, mm.
     displaced: Matrix6x3<f64>,
-    /// Jᵀ times the corners from their middle: by how the tag would look larger.
+    /// Jᵀ times the corners' offsets from their mean: derivative by the tag's apparent size.
     enlarged: Vector6<f64>,
     /// Σ T², px² per mm².
     displacement: f64,
-    /// See [`expected_px2`].
+    /// Expected variance of its corners, see [`expected_px2`].
     expected_px2: f64,
-    /// Of what no displacement of the tag explains: JᵀJ and Jᵀr by the turn of the pose, and r².
+    /// JᵀJ and Jᵀr by the rotation of the pose, and r², after projecting out displacements of the tag.
     shape: (Matrix3<f64>, Vector3<f64>, f64),
 }
 
-/// A sum of squares, and what is expected of it, px².
+/// Observed sum of squares and its expectation, px².
 struct Squares {
     seen: f64,
     expected: f64,
 }
 
-/// How far a pose may be off that minimises residuals with this Huber threshold, px ([`refine::NO_HUBER`]: least squares).
+/// Computes the uncertainty of a pose that minimises residuals with this Huber threshold, px ([`refine::NO_HUBER`]: least squares).
 ///
-/// Two variance components by their moments (Searle, Casella & McCulloch 1992, section 5.3). Corner noise shows in each tag's shape, whatever
-/// displaces the tag. Residuals beyond it are of tags that stand off: much of that hides in the pose, the more the fewer tags there are, and all of it
-/// where there is one.
+/// Two variance components by their moments (Searle, Casella & McCulloch 1992, section 5.3). Corner noise shows in each tag's shape, regardless of
+/// the tag's displacement. Larger residuals come from displaced tags: the pose absorbs the more of these the fewer tags there are, and all of it for
+/// one tag.
 pub(super) fn at(pose: &Rigid, corners: &Corners, camera: &Camera, huber_px: f64) -> Option<Uncertainty> {
     let clipped = Clipped::new(pose, corners, camera, huber_px)?;
-    // What was clipped is made up for.
+    // Compensates for the clipping.
     let enlarged = clipped.derivative.recip();
     let residuals_px: Vec<_> = clipped.residuals_px.iter().map(|r| r.map(|v| v * enlarged)).collect();
     let squares = clipped.squares * enlarged * enlarged;
@@ -182,7 +181,7 @@ pub(super) fn at(pose: &Rigid, corners: &Corners, camera: &Camera, huber_px: f64
     })
 }
 
-/// (JᵀJ)⁻¹ of all tags, and the sum of squared residuals that is expected of them, px². `None` when the corners leave the pose open.
+/// Returns (JᵀJ)⁻¹ of all tags, and the expected sum of their squared residuals, px². `None` if the corners do not determine the pose.
 fn expectation(tags: &[TagTerms]) -> Option<(Matrix6<f64>, f64)> {
     let information: Matrix6<f64> = tags.iter().map(|tag| tag.information).sum();
     let inverse = information.cholesky()?.inverse();
@@ -190,7 +189,7 @@ fn expectation(tags: &[TagTerms]) -> Option<(Matrix6<f64>, f64)> {
     Some((inverse, tags.iter().map(|tag| tag.expected_px2 * kept(tag)).sum()))
 }
 
-/// The squared residuals that neither displacements of the tags nor a turn of the pose explain: five for each tag less three.
+/// Returns the squared residuals that neither displacements of the tags nor a rotation of the pose explain: five for each tag less three.
 fn shape_squares(tags: &[TagTerms]) -> Option<Squares> {
     let by_turn: Matrix3<f64> = tags.iter().map(|tag| tag.shape.0).sum();
     let pull: Vector3<f64> = tags.iter().map(|tag| tag.shape.1).sum();
@@ -202,15 +201,16 @@ fn shape_squares(tags: &[TagTerms]) -> Option<Squares> {
     })
 }
 
-/// The root mean square residual of a pose that is expected of its tags, px.
+/// Returns the expected root mean square residual of a pose by its tags, px.
 pub(super) fn expected_rms_px(pose: &Rigid, corners: &Corners, camera: &Camera) -> Option<f64> {
     let residuals = refine::residuals_px(pose, corners, camera)?;
     let (_, expected) = expectation(&tag_terms(pose, corners, camera, &residuals)?)?;
     Some((expected / residuals.len() as f64).sqrt())
 }
 
-/// The variance of corner noise relative to what is expected, from squared residuals relative to theirs: the posterior mean, where the logarithm of the
-/// variance is normal with variance [`SPREAD`], and the squares are χ² of `freedom`. By sums over five standard deviations to both sides.
+/// Estimates the variance of corner noise relative to its expectation, from squared residuals relative to theirs: the posterior mean, if the
+/// logarithm of the variance is normal with variance [`SPREAD`], and the squares are χ² with `freedom` degrees. Numerical sums over ± five standard
+/// deviations.
 fn noise_scale(ratio: f64, freedom: f64) -> f64 {
     let logs = || (-40..=40).map(|step| f64::from(step) / 8.0 * SPREAD.sqrt());
     let density = |log: f64| -log * log / (2.0 * SPREAD) - freedom / 2.0 * (log + ratio * (-log).exp());
@@ -228,7 +228,7 @@ fn tag_terms(pose: &Rigid, corners: &Corners, camera: &Camera, residuals_px: &[[
             let by_pose = camera.project_by_pose(pose, point)?.1;
             jacobian.fixed_rows_mut::<2>(2 * i).copy_from(&by_pose);
         }
-        // A step's translation displaces the tag before the camera.
+        // The translation of a step displaces the tag relative to the camera.
         let by_place = jacobian.fixed_columns::<3>(3).into_owned();
         let places = (by_place.transpose() * by_place).cholesky()?;
         let residual = SVector::<f64, 8>::from_column_slice(residuals[tag].as_flattened());
@@ -253,8 +253,7 @@ fn tag_terms(pose: &Rigid, corners: &Corners, camera: &Camera, residuals_px: &[[
     (0..points.len()).map(terms).collect()
 }
 
-/// The variance of corner noise, px² per axis, from a sum of squared residuals and its degrees of freedom, and from what is
-/// expected.
+/// Returns the variance of corner noise, px² per axis, pooled from squared residuals with their degrees of freedom and the prior.
 pub(super) fn pooled(squares: f64, freedom: f64) -> f64 {
     (EXPECTATION_WEIGHT * EXPECTED_NOISE_PX * EXPECTED_NOISE_PX + squares) / (EXPECTATION_WEIGHT + freedom)
 }
@@ -266,7 +265,7 @@ struct Clipped {
     squares: f64,
     /// Mean derivative of ψ per axis.
     derivative: f64,
-    /// Coordinates less the pose's six.
+    /// Degrees of freedom: number of coordinates less the pose's six.
     freedom: f64,
 }
 
@@ -277,7 +276,7 @@ impl Clipped {
         let mut derivative = 0.0;
         for residual in &mut residuals_px {
             let length = residual[0].hypot(residual[1]);
-            // Beyond the threshold, ψ has the threshold's length: it changes across its direction only.
+            // Beyond the threshold, ψ has constant length: only its derivative across its direction is non-zero.
             if length > huber_px {
                 *residual = residual.map(|v| v * huber_px / length);
                 derivative += huber_px / length / 2.0;
@@ -294,7 +293,7 @@ impl Clipped {
     }
 }
 
-/// The probability that the camera is in a bin: normal errors, azimuth wrapped around, the three taken as independent.
+/// Returns the probability that the camera is in a bin: normal errors, azimuth wrapped around, the three taken as independent.
 pub fn bin_probability(bin: &Bin, bins: &Bins, v: &Viewpoint, sigma: &Sigma) -> f64 {
     let half = bins.azimuth_deg / 2.0;
     let off = turn(bin.azimuth_deg, v.azimuth_deg);
@@ -309,7 +308,7 @@ pub fn bin_probability(bin: &Bin, bins: &Bins, v: &Viewpoint, sigma: &Sigma) -> 
         * between(near, far, v.distance_mm, sigma.distance_mm)
 }
 
-/// From where to where values are nearest to a centre.
+/// Returns the limits of the interval of values that are nearest to a centre.
 fn edges(centres: &[f64], centre: f64) -> (f64, f64) {
     let middle = |other: &f64| (other + centre) / 2.0;
     let below = centres.iter().filter(|c| **c < centre).map(middle);

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::Viewpoint;
 use scaleproof_core::geometry::angle::{turn, wrap_360};
 
-/// How viewpoints are divided: azimuth in equal steps, the first centred on the model's front; pitch and distance by
-/// centres, each photo going to the nearest.
+/// Division of viewpoints into bins: azimuth in equal steps, the first centred on the model's front; elevation and distance by centres, each photo
+/// going to the nearest.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bins {
@@ -59,7 +59,7 @@ impl Ord for Bin {
 }
 
 impl Bins {
-    /// The bin a viewpoint falls into.
+    /// Returns the bin that contains a viewpoint.
     pub fn bin_of(&self, v: &Viewpoint) -> Bin {
         let steps = (v.azimuth_deg / self.azimuth_deg).round();
         Bin {
@@ -69,25 +69,25 @@ impl Bins {
         }
     }
 
-    /// The azimuth centres in degrees, from the front counter-clockwise.
+    /// Returns the azimuth centres in degrees, from the front counter-clockwise.
     pub fn azimuth_centres(&self) -> Vec<f64> {
         let count = (360.0 / self.azimuth_deg).round() as usize;
         (0..count).map(|i| i as f64 * self.azimuth_deg).collect()
     }
 
-    /// How many bins there are.
+    /// Returns the number of bins.
     pub fn count(&self) -> usize {
         self.azimuth_centres().len() * self.pitch_deg.len() * self.distance_mm.len()
     }
 
-    /// How far an azimuth is from the edge of its bin, in degrees.
+    /// Returns the distance of an azimuth from the edge of its bin, in degrees.
     pub fn azimuth_to_edge_deg(&self, azimuth_deg: f64) -> f64 {
         let centre = (azimuth_deg / self.azimuth_deg).round() * self.azimuth_deg;
         self.azimuth_deg / 2.0 - turn(centre, azimuth_deg).abs()
     }
 }
 
-/// The centre nearest to a value; the lower one on a tie. Centres are never empty (checked when the scene is read).
+/// Returns the centre nearest to a value; the lower one on a tie. Centres are never empty (checked when the scene is read).
 fn nearest(centres: &[f64], value: f64) -> f64 {
     let off = |centre: &f64| (centre - value).abs();
     let nearest = centres.iter().copied().min_by(|a, b| off(a).total_cmp(&off(b)));

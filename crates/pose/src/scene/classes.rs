@@ -1,11 +1,11 @@
-//! What counts as the model: one label, or several, such as `car` or `truck`.
+//! Labels that count as the model: one, or several, such as `car` or `truck`.
 
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-/// More labels than these, or longer ones, were written by a program.
+/// Maximum number of labels and of their characters; longer lists were written by a program.
 const MOST: usize = 32;
 const LONGEST: usize = 100;
 
@@ -24,7 +24,7 @@ enum Written {
     Several(Vec<String>),
 }
 
-/// Why labels are no class.
+/// Reason why labels are not valid classes.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ClassError {
     #[error("the class is an empty list: name the labels that count as the model, as in [\"car\"]")]
@@ -41,7 +41,7 @@ pub enum ClassError {
 pub const VEHICLES: [&str; 3] = ["car", "truck", "bus"];
 
 impl Classes {
-    /// Whether each of the labels is of a road vehicle.
+    /// Returns true if each of the labels is a road vehicle's.
     pub fn are_vehicles(&self) -> bool {
         self.0.iter().all(|label| VEHICLES.contains(&label.as_str()))
     }
@@ -65,23 +65,23 @@ impl Classes {
         }
     }
 
-    /// The labels, in the order of the scene file.
+    /// Returns the labels, in alphabetical order.
     pub fn labels(&self) -> &[String] {
         &self.0
     }
 
-    /// One name for all of them, as in `car+truck`: what a COCO file calls the category.
+    /// Returns one name for all of them, as in `car+truck`: the name of the category in a COCO file.
     pub fn joined(&self) -> String {
         self.0.join("+")
     }
 
-    /// The labels as a sentence about them has it: "`car` or `truck`".
+    /// Returns the labels as in a sentence about them: "`car` or `truck`".
     pub fn quoted(&self) -> String {
         let quoted: Vec<String> = self.0.iter().map(|label| format!("`{label}`")).collect();
         or(&quoted)
     }
 
-    /// As `scene.toml` has them.
+    /// Returns the labels in the syntax of `scene.toml`.
     pub fn to_toml(&self) -> String {
         match &self.0[..] {
             [only] => toml::Value::from(only.as_str()),
@@ -96,7 +96,7 @@ fn is_readable(label: &str) -> bool {
     is_short && label.trim() == label && !label.contains(char::is_control)
 }
 
-/// "car", "car or truck", "bus, car or truck".
+/// Joins labels as in "car", "car or truck", "bus, car or truck".
 fn or(labels: &[String]) -> String {
     match labels {
         [first @ .., last] if !first.is_empty() => format!("{} or {last}", first.join(", ")),
@@ -110,7 +110,7 @@ impl fmt::Display for Classes {
     }
 }
 
-/// A list with commas, as an option of a command has it.
+/// Parses a list separated by commas, as given to a command's option.
 impl FromStr for Classes {
     type Err = ClassError;
 

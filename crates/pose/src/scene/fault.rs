@@ -1,14 +1,14 @@
-//! What may be wrong with a scene's numbers, wherever they come from.
+//! Faults of a scene's numbers, from files and presets alike.
 
 use scaleproof_core::geometry::NoDirection;
 use scaleproof_core::geometry::length::{BadLength, LONGEST_MM, SCALES, shown};
 
-/// More tags than this were written by a program, and take minutes to pair up on cards.
+/// Maximum number of tags; more were written by a program, and take minutes to pair up on cards.
 pub(super) const MOST_TAGS: u64 = 2000;
-/// Nobody photographs more bins than this.
+/// Maximum number of bins.
 pub(super) const MOST_BINS: usize = 100_000;
 
-/// What is wrong in a scene, as a sentence that says what to change.
+/// Fault of a scene, as a sentence that says what to change.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SceneFault {
     #[error(transparent)]

@@ -1,4 +1,4 @@
-//! The file format `scene.toml`, and every reason to refuse one.
+//! File format `scene.toml`, with its checks.
 
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::SignedAxis;
 use scaleproof_core::geometry::length::{self, FARTHEST_MM, LONGEST_MM, SCALES};
 
-/// A scene file by its grammar alone.
+/// Scene file as parsed, before its values are checked.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SceneFile {
@@ -66,11 +66,11 @@ enum EnvelopeWord {
     Mesh,
 }
 
-/// How all printed cards differ from the tags of the file.
+/// Difference of all printed cards from the tags of the file.
 #[derive(Deserialize, Default, Clone, Copy)]
 #[serde(deny_unknown_fields, default)]
 struct CardsTable {
-    /// They are turned clockwise, as one looks at them.
+    /// Clockwise rotation of the cards, as one looks at them, degrees.
     turned_deg: u32,
     ids_higher_by: i64,
 }
@@ -111,7 +111,7 @@ impl Scene {
     }
 }
 
-/// Checks what the grammar cannot: sizes, directions, duplicates.
+/// Checks the values beyond the grammar: sizes, directions, duplicates.
 fn checked(file: SceneFile) -> Result<Scene, SceneFault> {
     let envelope = checked_envelope(file.model.envelope, file.model.mesh)?;
     let mesh = MeshFacts {
@@ -154,13 +154,13 @@ fn checked(file: SceneFile) -> Result<Scene, SceneFault> {
     })
 }
 
-/// The scale of a file's or a preset's model.
+/// Checks the scale of a file's or a preset's model.
 pub(super) fn checked_scale(scale: f64) -> Result<f64, SceneFault> {
     // False for NaN too.
     SCALES.contains(&scale).then_some(scale).ok_or(SceneFault::Scale(scale))
 }
 
-/// Refuses more tags than anyone places.
+/// Returns an error for too many tags.
 pub(super) fn check_tag_count(count: u64) -> Result<(), SceneFault> {
     (count <= MOST_TAGS).then_some(()).ok_or(SceneFault::TooManyTags(count))
 }
@@ -175,7 +175,7 @@ fn checked_envelope(word: EnvelopeWord, mesh: Option<PathBuf>) -> Result<Envelop
     }
 }
 
-/// The directions of a mesh file's front and top.
+/// Parses the directions of a mesh file's front and top.
 fn checked_axes(words: [Option<String>; 2]) -> Result<Option<[SignedAxis; 2]>, SceneFault> {
     let [front, up] = match words {
         [None, None] => return Ok(None),
@@ -186,7 +186,7 @@ fn checked_axes(words: [Option<String>; 2]) -> Result<Option<[SignedAxis; 2]>, S
     differ.then_some(Some([front, up])).ok_or(SceneFault::OneAxis)
 }
 
-/// The bins of a file or a preset, with their centres in order.
+/// Checks the bins of a file or a preset, and sorts their centres.
 pub(super) fn checked_bins(mut bins: Bins) -> Result<Bins, SceneFault> {
     let count = 360.0 / bins.azimuth_deg;
     // False for NaN, and for a step of 0.
@@ -202,7 +202,7 @@ pub(super) fn checked_bins(mut bins: Bins) -> Result<Bins, SceneFault> {
     Ok(bins)
 }
 
-/// Refuses impossible centres, and puts the others in order.
+/// Returns an error for impossible centres, and sorts the others.
 fn check_centres(centres: &mut Vec<f64>, range: RangeInclusive<f64>, what: &'static str) -> Result<(), SceneFault> {
     let (least, most) = range.clone().into_inner();
     if centres.is_empty() {
@@ -235,7 +235,7 @@ fn checked_tag(t: TagTable) -> Result<Tag, SceneFault> {
     if right.dot(&up).abs() > 1e-3 {
         return Err(SceneFault::NoRightAngle(id));
     }
-    // The file rounds; make the pair exactly orthogonal so that the tag's pose is a true rotation.
+    // The file's values are rounded; orthogonalise the pair so that the tag's pose is a true rotation.
     let up = (up - right * right.dot(&up)).normalize();
     Ok(Tag {
         id,
@@ -274,7 +274,7 @@ fn as_printed(tag: Tag, cards: CardsTable) -> Result<Tag, SceneFault> {
     Ok(Tag { id, right, up, ..tag })
 }
 
-/// A direction of a tag, which must have length 1 to within 0.001, at length 1 exactly.
+/// Normalises a direction of a tag, whose length must be 1 to within 0.001.
 fn unit_vector(v: [f64; 3], what: &'static str, id: u32) -> Result<Vector3<f64>, SceneFault> {
     let v = Vector3::from(v);
     let length = v.norm();

@@ -1,5 +1,5 @@
-//! What stands on the table: the model, its scale, the tags around it, and the viewpoint bins. Read from `scene.toml`, or made
-//! by a preset ([`TagRing`]).
+//! The scene on the table: the model, its scale, the tags around it, and the viewpoint bins. Read from `scene.toml`, or made by a preset
+//! ([`TagRing`]).
 
 mod bins;
 mod classes;
@@ -31,19 +31,19 @@ use scaleproof_core::geometry::{Rigid, SignedAxis};
 pub struct Scene {
     /// The printed model.
     pub model: ScaleModel,
-    /// How viewpoints are binned.
+    /// Division of viewpoints into bins.
     pub bins: Bins,
     /// The tags around the model.
     pub tags: Vec<Tag>,
 }
 
 impl Scene {
-    /// The tag of a family and id, if it stands in this scene.
+    /// Returns the tag of a family and id, if the scene has it.
     pub fn tag(&self, family: TagFamily, id: u32) -> Option<&Tag> {
         self.tags.iter().find(|t| t.family == family && t.id == id)
     }
 
-    /// The tag families a detector has to look for, each once.
+    /// Returns the tag families a detector has to look for, each once.
     pub fn families(&self) -> Vec<TagFamily> {
         let mut families: Vec<_> = self.tags.iter().map(|t| t.family).collect();
         families.sort();
@@ -51,8 +51,8 @@ impl Scene {
         families
     }
 
-    /// Where a tag is in the image of a camera at the pose `T_camera_model`, or outside the image, px. `None` unless the cosine of the angle between
-    /// the tag's normal and the line of sight exceeds `facing`, and the model, grown by `margin_mm` on each side, leaves all corners in sight.
+    /// Returns the corners of a tag, px, in the image of a camera at the pose `T_camera_model`, or outside the image. `None` unless the cosine of the
+    /// angle between the tag's normal and the line of sight exceeds `facing`, and the model, grown by `margin_mm` on each side, hides no corner.
     pub fn visible_px(
         &self,
         tag: &Tag,
@@ -71,7 +71,7 @@ impl Scene {
 /// The printed scale model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScaleModel {
-    /// What it is called.
+    /// Name of the model.
     pub name: String,
     /// 10 for a 1:10 model.
     pub scale: f64,
@@ -81,15 +81,15 @@ pub struct ScaleModel {
     pub size_mm: [f64; 3],
     /// The shape whose projection is the ground truth box.
     pub envelope: Envelope,
-    /// How the envelope's mesh lies in its file, and which of it is paint.
+    /// Orientation of the envelope's mesh in its file, and the painted part of it.
     pub mesh: MeshFacts,
 }
 
-/// What a scene says about its mesh file besides the path: found once by `scene new --mesh`, then taken by every command.
+/// Properties of a mesh file besides its path: found once by `scene new --mesh`, then used by every command.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct MeshFacts {
-    /// Where the front and the top are in the file. The mesh is then turned, scaled to the model's length and put on the ground under its
-    /// centre; without them a `.glb` lies as glTF says and other files in the model frame, in mm.
+    /// Directions of the front and the top in the file. With them the mesh is turned, scaled to the model's length and put on the ground under its
+    /// centre; without them a `.glb` is oriented as glTF says and other files are in the model frame, in mm.
     pub axes: Option<[SignedAxis; 2]>,
     /// The surface that a print covers.
     pub paint: Paint,
@@ -105,7 +105,7 @@ pub enum Paint {
 }
 
 impl Paint {
-    /// The names of the materials, and the file that lists triangles; neither where all is paint.
+    /// Returns the names of the materials, and the file that lists triangles; neither if all of the mesh is paint.
     pub fn named(&self) -> (&[String], Option<&Path>) {
         match self {
             Paint::All => (&[], None),
@@ -116,7 +116,7 @@ impl Paint {
 }
 
 impl ScaleModel {
-    /// Gives the mesh and the list of its painted triangles other paths, each made from its path so far.
+    /// Replaces the paths of the mesh and of the list of its painted triangles by `place` of them.
     #[must_use]
     pub fn with_files(mut self, place: impl Fn(PathBuf) -> PathBuf) -> Self {
         self.envelope = self.envelope.with_mesh(&place);
@@ -126,19 +126,18 @@ impl ScaleModel {
         self
     }
 
-    /// The files that the scene names, with paths from its folder: the mesh, and the list of its painted triangles.
+    /// Returns the files that the scene names, with paths relative to its folder: the mesh, and the list of its painted triangles.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let (_, faces) = self.mesh.paint.named();
         self.envelope.mesh().into_iter().chain(faces)
     }
 
-    /// The point that viewpoints look at: the centre of the model's box, model frame, mm.
+    /// Returns the target point of viewpoints: the centre of the model's box, model frame, mm.
     pub fn target_mm(&self) -> Point3<f64> {
         Point3::new(0.0, 0.0, self.size_mm[2] / 2.0)
     }
 
-    /// The eight corners of the model's box, model frame, mm. Corner `i` has its x, y, z on the far side where bit 0, 1, 2
-    /// of `i` is set.
+    /// Returns the eight corners of the model's box, model frame, mm. Corner `i` has its x, y, z on the far side if bit 0, 1, 2 of `i` is set.
     pub fn box_corners_mm(&self) -> [Point3<f64>; 8] {
         let [length, width, height] = self.size_mm;
         std::array::from_fn(|i| {
@@ -148,8 +147,8 @@ impl ScaleModel {
         })
     }
 
-    /// Whether the model's box, grown by some mm on each side, cuts the line from a camera to a point; both in the model frame, mm
-    /// (slabs: Kay & Kajiya 1986).
+    /// Returns true if the model's box, grown by `grown_mm` on each side, cuts the line from a camera to a point; both in the model frame, mm (slabs:
+    /// Kay & Kajiya 1986).
     pub fn hides(&self, point: Point3<f64>, camera: Point3<f64>, grown_mm: f64) -> bool {
         let [length, width, height] = self.size_mm;
         let (lows, highs) = ([-length / 2.0, -width / 2.0, 0.0], [length / 2.0, width / 2.0, height]);
@@ -170,8 +169,8 @@ impl ScaleModel {
     }
 }
 
-/// The shape whose projection is a photo's truth box. A mesh is a `.glb`, `.obj`, `.stl` or `.ply`; its path counts from the scene
-/// file's folder.
+/// Shape whose projection is a photo's ground truth box. A mesh is a `.glb`, `.obj`, `.stl` or `.ply`; its path is relative to the scene file's
+/// folder.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Envelope {
     /// The box of the model's size.
@@ -183,7 +182,7 @@ pub enum Envelope {
 }
 
 impl Envelope {
-    /// The word in `scene.toml`.
+    /// Returns the word in `scene.toml`.
     pub fn name(&self) -> &'static str {
         match self {
             Envelope::Box => "box",
@@ -192,7 +191,7 @@ impl Envelope {
         }
     }
 
-    /// The file it is made of.
+    /// Returns the file of the mesh; `None` for a box.
     pub fn mesh(&self) -> Option<&Path> {
         match self {
             Envelope::Box => None,
@@ -200,7 +199,7 @@ impl Envelope {
         }
     }
 
-    /// The envelope with its mesh at another path, made from its path so far; a box stays as it is.
+    /// Replaces the path of the mesh by `place` of it; a box is unchanged.
     fn with_mesh(self, place: impl FnOnce(PathBuf) -> PathBuf) -> Envelope {
         match self {
             Envelope::Box => Envelope::Box,

@@ -1,4 +1,4 @@
-//! The preset `ring`: tags in a circle around the model, so that every direction sees some that are not parallel.
+//! Preset `ring`: tags in a circle around the model, so that from every direction some are visible that are not parallel.
 
 use nalgebra::{Point3, Vector3};
 
@@ -6,39 +6,39 @@ use super::file::{check_tag_count, checked_bins, checked_scale};
 use super::{Bins, ScaleModel, Scene, SceneFault, Tag, TagFamily};
 use scaleproof_core::geometry::length::{BadLength, shown, size_mm};
 
-/// Between a tag's white ring and the ground or the ridge of its card.
+/// Margin between a tag's white ring and the ground or the ridge of its card.
 const CARD_MARGIN_MM: f64 = 2.0;
-/// Beside the tag on a tent card; the printed card is a little narrower.
+/// Margin beside the tag on a tent card; the printed card is a little narrower.
 const CARD_SIDE_MM: f64 = 15.0;
-/// A row of flat tags keeps this from the model at least, and this from tag to tag.
+/// Minimum gap between a row of flat tags and the model, and between neighbouring tags.
 const ROW_GAP_MM: f64 = 5.0;
-/// Flatter or steeper cards do not stand.
+/// Tilts at which a card stands.
 const TILT_DEG: std::ops::RangeInclusive<f64> = 30.0..=75.0;
 const FEWEST: u32 = 3;
 
-/// `count` tent cards at equal angles, the first before the model's front, and as many flat tags: in a row along each side of the
-/// model, so that few sheets carry them all; or, where the ring leaves no room for rows, half way between each two cards.
+/// Ring of `count` tent cards at equal angles, the first before the model's front, and as many flat tags: in a row along each side of the model, so
+/// that few sheets carry them all; or, if the ring leaves no room for rows, half way between neighbouring cards.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TagRing {
     pub model: ScaleModel,
     pub bins: Bins,
-    /// Of the circle on which all stand.
+    /// Radius of the circle of the cards.
     pub radius_mm: f64,
-    /// Tent cards, and as many flat tags.
+    /// Number of tent cards, and of flat tags.
     pub count: u32,
     /// Outer edge of a tag's black border.
     pub tag_mm: f64,
     pub family: TagFamily,
-    /// Between a tent card's faces and the ground.
+    /// Angle between a tent card's faces and the ground.
     pub tilt_deg: f64,
 }
 
-/// Why there is no such ring.
+/// Reason why there is no such ring.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RingError {
     #[error(transparent)]
     Length(#[from] BadLength),
-    /// What no scene file may say either.
+    /// A fault that a scene file may not have either.
     #[error(transparent)]
     Scene(#[from] SceneFault),
     #[error("faces at {tilt_deg}° do not make a card that stands; give 30 to 75", tilt_deg = shown(*tilt_deg))]
@@ -108,7 +108,7 @@ impl TagRing {
         self.check_room(length.hypot(width) / 2.0)
     }
 
-    /// Nothing may overlap, whichever way it is turned.
+    /// Returns an error if cards could overlap in any orientation.
     fn check_room(&self, model_mm: f64) -> Result<(), RingError> {
         let flat_mm = self.with_white_mm() / 2.0 * std::f64::consts::SQRT_2;
         let tent_mm = self.card_reach_mm();
@@ -137,15 +137,15 @@ impl TagRing {
         self.with_white_mm() + 2.0 * CARD_MARGIN_MM
     }
 
-    /// Centres and tops of the flat tags in a row on the left from front to rear, and one on the right back to the front. A row stands
-    /// its tags' size off the model, where it hides few of them, or nearer where the cards need the room.
+    /// Returns centres and tops of the flat tags in a row on the left from front to rear, and one on the right back to the front. A row stands a
+    /// tag's size off the model, where it hides few of them, or nearer if the cards need the room.
     fn rows(&self) -> Option<Vec<(Vector3<f64>, Vector3<f64>)>> {
         let [length, width, _] = self.model.size_mm;
         let half = self.with_white_mm() / 2.0;
         let left = self.count.div_ceil(2);
         let apart = length / f64::from(left);
         let outmost = (length - apart) / 2.0 + half;
-        // Everything within this is clear of every card, whichever way it stands.
+        // Everything within this radius is clear of every card in any orientation.
         let free = self.radius_mm - self.card_reach_mm();
         let reach = (free > outmost).then(|| (free * free - outmost * outmost).sqrt())?;
         let gap = self.tag_mm.min(reach - width / 2.0 - 2.0 * half);
@@ -163,13 +163,13 @@ impl TagRing {
         Some([row(left, 1.0), row(self.count - left, -1.0)].concat())
     }
 
-    /// From the middle of a tent card to its farthest corner.
+    /// Returns the distance from the middle of a tent card to its farthest corner.
     fn card_reach_mm(&self) -> f64 {
         let foot_mm = self.face_mm() * self.tilt_deg.to_radians().cos();
         foot_mm.hypot(self.with_white_mm() / 2.0 + CARD_SIDE_MM)
     }
 
-    /// Upright on the two faces of a card whose ridge runs around the ring.
+    /// Returns the upright tags on the two faces of a card whose ridge is tangential to the ring.
     fn tent_tags(&self, first_id: u32, azimuth_deg: f64) -> [Tag; 2] {
         let (sin, cos) = self.tilt_deg.to_radians().sin_cos();
         let out = outwards(azimuth_deg);

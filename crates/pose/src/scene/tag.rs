@@ -1,4 +1,4 @@
-//! AprilTags: where each printed tag stands.
+//! AprilTags: families, and the poses of the printed tags.
 
 use nalgebra::{Matrix3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -44,27 +44,27 @@ impl TagFamily {
         (TagFamily::TagCustom48h12, "tagcustom48h12"),
     ];
 
-    /// The name that `scene.toml` uses.
+    /// Returns the name that `scene.toml` uses.
     pub fn name(self) -> &'static str {
         TagFamily::ALL[self as usize].1
     }
 
-    /// How many different tags the family has; ids run from 0 to one below it.
+    /// Returns the number of different tags of the family; ids run from 0 to one below it.
     pub fn count(self) -> u32 {
         self.measures().0
     }
 
-    /// Width of the outline that the corners lie on, in bit cells (`width_at_border` of the C library).
+    /// Returns the width of the outline that the corners lie on, in bit cells (`width_at_border` of the C library).
     pub fn cells_across(self) -> f64 {
         self.measures().1
     }
 
-    /// Width of a tag with the white ring it needs, for a `size_mm` of 1.
+    /// Returns the width of a tag with the white ring it needs, for a `size_mm` of 1.
     pub fn width_with_white(self) -> f64 {
         self.measures().2 / self.cells_across()
     }
 
-    /// How many tags there are; cells across the outline of one, and across its white ring.
+    /// Returns the number of tags, and the widths of a tag's outline and of its white ring, in bit cells.
     fn measures(self) -> (u32, f64, f64) {
         match self {
             TagFamily::Tag16h5 => (30, 6.0, 8.0),
@@ -79,22 +79,22 @@ impl TagFamily {
     }
 }
 
-/// One printed tag. Tag frame, the tag seen upright: x right, y up, z out of the paper.
+/// Printed tag. Tag frame, the tag seen upright: x right, y up, z out of the paper.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tag {
-    /// Its number in the family.
+    /// Number of the tag in its family.
     pub id: u32,
-    /// Which code it is of.
+    /// Family of the tag.
     pub family: TagFamily,
-    /// Outer edge of the black border.
+    /// Outer edge of the black border, mm.
     pub size_mm: f64,
-    /// Its centre, model frame.
+    /// Centre of the tag, model frame, mm.
     pub centre_mm: Point3<f64>,
     /// Unit vector to the tag's right, model frame.
     pub right: Vector3<f64>,
     /// Unit vector to the tag's top, model frame.
     pub up: Vector3<f64>,
-    /// How well the pose is known, when it was surveyed.
+    /// Uncertainty of the pose, if it was surveyed.
     pub sigma: Option<TagSigma>,
 }
 
@@ -108,30 +108,30 @@ pub struct TagSigma {
 }
 
 impl Tag {
-    /// `T_model_tag`: maps tag coordinates to model coordinates, mm.
+    /// Returns `T_model_tag`: maps tag coordinates to model coordinates, mm.
     pub fn pose(&self) -> Rigid {
         let axes = Matrix3::from_columns(&[self.right, self.up, self.normal()]);
         rigid::from_matrix(axes, self.centre_mm.coords)
     }
 
-    /// Unit vector out of the paper, model frame.
+    /// Returns the unit vector out of the paper, model frame.
     pub fn normal(&self) -> Vector3<f64> {
         self.right.cross(&self.up)
     }
 
-    /// The corners in the model frame, mm, in the order of [`corners_in_tag_mm`].
+    /// Returns the corners in the model frame, mm, in the order of [`corners_in_tag_mm`].
     pub fn corners_mm(&self) -> [Point3<f64>; 4] {
         corners_in_tag_mm(self.size_mm).map(|p| self.centre_mm + self.right * p.x + self.up * p.y)
     }
 
-    /// Where a camera at the pose `T_camera_model` projects the corners to, px; `None` where one has no pixel.
+    /// Returns the corners' pixels in a camera at the pose `T_camera_model`; `None` if one has no pixel.
     pub fn corners_px(&self, pose: &Rigid, camera: &Camera) -> Option<[[f64; 2]; 4]> {
         let [a, b, c, d] = self.corners_mm().map(|corner| camera.project(&(pose * corner)));
         Some([a?, b?, c?, d?])
     }
 }
 
-/// The corners of a tag in its own frame, mm: top-left, top-right, bottom-right, bottom-left of the upright tag.
+/// Returns the corners of a tag in its own frame, mm: top-left, top-right, bottom-right, bottom-left of the upright tag.
 pub fn corners_in_tag_mm(size_mm: f64) -> [Point3<f64>; 4] {
     let h = size_mm / 2.0;
     [[-h, h], [h, h], [h, -h], [-h, -h]].map(|[x, y]| Point3::new(x, y, 0.0))

@@ -1,11 +1,11 @@
-//! Where a camera stands, seen from the model.
+//! Viewpoint of a camera relative to the model.
 
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
 use scaleproof_core::geometry::angle::wrap_360;
 
-/// Where the camera stood, seen from the model's target point.
+/// Viewpoint of the camera, relative to the model's target point.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Viewpoint {
@@ -18,7 +18,7 @@ pub struct Viewpoint {
 }
 
 impl Viewpoint {
-    /// The viewpoint of a camera centre; both points in the model frame, mm.
+    /// Returns the viewpoint of a camera centre; both points in the model frame, mm.
     pub fn from_camera(centre_mm: Point3<f64>, target_mm: Point3<f64>) -> Viewpoint {
         let d = centre_mm - target_mm;
         Viewpoint {
@@ -28,7 +28,7 @@ impl Viewpoint {
         }
     }
 
-    /// Every combination, in the order a person walks: once round for each pitch at each distance.
+    /// Returns every combination, in the order a person walks: once round for each elevation at each distance.
     pub fn combinations(azimuths_deg: &[f64], pitches_deg: &[f64], distances_mm: &[f64]) -> Vec<Viewpoint> {
         let mut all = Vec::new();
         for &distance_mm in distances_mm {
@@ -43,7 +43,7 @@ impl Viewpoint {
         all
     }
 
-    /// True for finite numbers in the ranges their fields state, and a camera that is not inside the target.
+    /// Returns true for finite numbers in the ranges their fields state, and a camera that is not inside the target.
     pub fn is_possible(&self) -> bool {
         (0.0..360.0).contains(&self.azimuth_deg)
             && (-90.0..=90.0).contains(&self.pitch_deg)
@@ -51,7 +51,7 @@ impl Viewpoint {
             && self.distance_mm.is_finite()
     }
 
-    /// The camera centre in the model frame, mm: the inverse of [`Viewpoint::from_camera`].
+    /// Returns the camera centre in the model frame, mm: the inverse of [`Viewpoint::from_camera`].
     pub fn camera_centre_mm(&self, target_mm: Point3<f64>) -> Point3<f64> {
         let (azimuth, pitch) = (self.azimuth_deg.to_radians(), self.pitch_deg.to_radians());
         let ground = self.distance_mm * pitch.cos();

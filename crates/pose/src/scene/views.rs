@@ -1,11 +1,11 @@
-//! Views of a scene's bins that a session plans or captures.
+//! Selection of the bins' views that a session plans or captures.
 
 use super::{Bins, Viewpoint};
 
-/// The pitch of a standing or slightly stooping photographer, where a scene has several.
+/// Elevation of a standing or slightly stooping photographer: the default if a scene has several.
 const USUAL_PITCH_DEG: f64 = 15.0;
 
-/// A pitch or distance that is the centre of no bin.
+/// Elevation or distance that is the centre of no bin.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{what} {given} is no bin of the scene: give some of {}", centres.iter().map(f64::to_string).collect::<Vec<_>>().join(", "))]
 pub struct NoSuchBin {
@@ -15,11 +15,12 @@ pub struct NoSuchBin {
 }
 
 impl Bins {
-    /// The views that are photographed in each texture at each place, once round the model for each pitch and distance: those of the bins' that are
-    /// named, the usual one where none is.
+    /// Returns the views to photograph in each texture at each place, once round the model for each elevation and distance: the given ones, or by
+    /// default the usual one.
     ///
     /// # Errors
-    /// One that is the centre of no bin.
+    ///
+    /// An elevation or distance that is the centre of no bin.
     pub fn photographed(&self, pitches_deg: &[f64], distances_mm: &[f64]) -> Result<Vec<Viewpoint>, NoSuchBin> {
         let usual = self.usual_view();
         let pitches = named("the pitch", pitches_deg, usual.0, &self.pitch_deg)?;
@@ -27,13 +28,12 @@ impl Bins {
         Ok(self.viewpoints(&pitches, &distances))
     }
 
-    /// The centres of the bins at these pitches and distances: once round the model for each.
+    /// Returns the centres of the bins at these elevations and distances: once round the model for each.
     pub fn viewpoints(&self, pitches_deg: &[f64], distances_mm: &[f64]) -> Vec<Viewpoint> {
         Viewpoint::combinations(&self.azimuth_centres(), pitches_deg, distances_mm)
     }
 
-    /// The pitch and distance that are photographed when none are named: of the scene's, the pitch nearest to 15° and the middle distance (the
-    /// nearer of two).
+    /// Returns the default elevation and distance: of the scene's, the elevation nearest to 15° and the middle distance (the nearer of two).
     pub fn usual_view(&self) -> (f64, f64) {
         let from_usual = |pitch: &f64| (pitch - USUAL_PITCH_DEG).abs();
         let pitches = self.pitch_deg.iter().copied();
@@ -44,7 +44,7 @@ impl Bins {
     }
 }
 
-/// The centres that are named, in the scene's order and once; the usual one when none is.
+/// Returns the given centres in the scene's order, each once; the usual one if none is given.
 fn named(what: &'static str, given: &[f64], usual: f64, centres: &[f64]) -> Result<Vec<f64>, NoSuchBin> {
     if given.is_empty() {
         return Ok(vec![usual]);

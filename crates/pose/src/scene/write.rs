@@ -1,9 +1,9 @@
-//! A scene as the text of a `scene.toml`.
+//! Writing of a scene as `scene.toml`.
 
 use super::{MeshFacts, Paint, Scene, Tag, TagFamily};
 
 impl Scene {
-    /// The file that [`Scene::parse`] reads back, places to a thousandth of a millimetre.
+    /// Returns the file that [`Scene::parse`] reads back, with positions to a thousandth of a millimetre.
     pub fn to_toml(&self) -> String {
         let model = &self.model;
         let (name, class) = (toml::Value::from(model.name.as_str()), model.class.to_toml());
@@ -56,7 +56,7 @@ fn table(tag: &Tag) -> String {
     )
 }
 
-/// Numbers with as many decimals as they need, and no minus before a zero.
+/// Formats numbers with as many decimals as they need, and no minus before a zero.
 fn list(values: &[f64], decimals: usize) -> String {
     let unit = 10_f64.powi(decimals as i32);
     let number = |value: &f64| format!("{:?}", (value * unit).round() / unit + 0.0);

@@ -1,4 +1,4 @@
-//! What goes wrong on a table, in an image or in a file.
+//! Simulated faults of a table, an image or a file.
 
 use nalgebra::{Point3, Vector3};
 use rand::RngExt;
@@ -6,7 +6,7 @@ use rand::RngExt;
 use super::{SimulatedView, Simulator};
 use crate::scene::{Tag, corners_in_tag_mm};
 
-/// One thing that goes wrong. Those of one tag strike one of the seen tags at random.
+/// Simulated fault. Faults of one tag apply to a random one of the seen tags.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SimulatedFault {
     /// A card was shifted on the table, in any direction.
@@ -17,13 +17,13 @@ pub enum SimulatedFault {
     MirroredTag,
     /// A tag reads as another tag of the scene that is not seen.
     WrongId,
-    /// A second tag with the id of one of the others.
+    /// A second tag has the id of one of the others.
     DuplicatedId,
     /// One corner is off, as when it is covered and the detector does not notice.
     WrongCorner { px: f64 },
     /// Each tag is hidden with this probability.
     Hidden { share: f64 },
-    /// Only the left part of the image shows something: this share of its width.
+    /// Only the left part of the image is visible: this share of its width.
     Cropped { share: f64 },
     /// The scene file's tag sizes are wrong by this factor.
     WrongTagSize { factor: f64 },
@@ -33,13 +33,13 @@ pub enum SimulatedFault {
     WrongPrincipalPoint { px: f64 },
     /// The camera file has no distortion.
     IgnoredDistortion,
-    /// Every card is bent to a cylinder about an axis of any direction: so much deeper in the middle than at the middle of a side, for each 100 mm of
-    /// the tag's side.
+    /// Every card is bent to a cylinder about an axis of any direction: depth of the middle relative to the middle of a side, for each 100 mm of the
+    /// tag's side.
     BentPaper { mm: f64 },
 }
 
 impl Simulator<'_> {
-    /// Lets a fault happen to a view. One that needs a tag changes nothing where none is seen.
+    /// Applies a fault to a view. A fault of one tag changes nothing if none is seen.
     pub(super) fn strike(&mut self, view: &mut SimulatedView, fault: SimulatedFault) {
         match fault {
             SimulatedFault::Hidden { share } => view.seen.retain(|_| self.rng.random::<f64>() >= share),
@@ -63,7 +63,7 @@ impl Simulator<'_> {
         }
     }
 
-    /// False when the fault was not possible.
+    /// Applies a fault to the tag at an index; returns false if that is impossible.
     fn strike_tag(&mut self, view: &mut SimulatedView, at: usize, fault: SimulatedFault) -> bool {
         let corners = &mut view.seen[at].corners_px;
         match fault {
@@ -119,7 +119,7 @@ impl Simulator<'_> {
         }
     }
 
-    /// Shifts or turns the card of a seen tag; not one that would then be out of sight.
+    /// Shifts or turns the card of a seen tag; returns false, and changes nothing, if it would then be out of sight.
     fn displace(&mut self, view: &mut SimulatedView, at: usize, by: impl FnOnce(&mut Tag)) -> bool {
         let seen = &mut view.seen[at];
         let Some(mut tag) = self.scene.tag(seen.family, seen.id).cloned() else {
@@ -132,7 +132,7 @@ impl Simulator<'_> {
     }
 }
 
-/// The corners of a bent card, model frame, mm, on average where the flat ones are.
+/// Returns the corners of a bent card, model frame, mm, with the same mean depth as the flat card's.
 fn bent(tag: &Tag, mm: f64, axis_rad: f64) -> [Point3<f64>; 4] {
     let corners = corners_in_tag_mm(tag.size_mm);
     let across = |corner: &Point3<f64>| (corner.x * axis_rad.cos() + corner.y * axis_rad.sin()) / (tag.size_mm / 2.0);

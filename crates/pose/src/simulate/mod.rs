@@ -1,5 +1,4 @@
-//! Photos that were never taken: what a detector would see from a viewpoint, with noise and faults of a known kind. For sweeps
-//! that drive `locate` to where it must refuse.
+//! Simulated detections: tags as seen from a viewpoint, with noise and known faults. For sweeps that test at which faults `locate` abstains.
 
 mod fault;
 
@@ -17,31 +16,31 @@ pub use fault::SimulatedFault;
 
 /// Cosine of the angle between a tag's normal and the line of sight below which no detector reads it.
 const GRAZING: f64 = 0.2;
-/// The model's box is taken smaller by this on each side, so that it does not hide what lies on it, mm.
+/// Amount by which the model's box is shrunk on each side, so that it does not hide tags on its surface, mm.
 const SKIN_MM: f64 = 1.0;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
     /// Standard deviation of most corners, px per axis.
     pub sigma_px: f64,
-    /// Share of corners whose standard deviation is four times that: the tails of real detectors.
+    /// Share of corners with four times this standard deviation: the heavy tails of real detectors.
     pub tail_share: f64,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulatedView {
-    /// The truth: where the camera stood, and `T_camera_model`.
+    /// True viewpoint of the camera; `pose` is the true `T_camera_model`.
     pub viewpoint: Viewpoint,
     pub pose: Rigid,
     pub seen: Vec<SeenTag>,
-    /// What the photographer believes to have on the table and in hand; differs from the truth only by the fault.
+    /// Scene assumed by the photographer, as `camera` is the assumed camera; both differ from the truth only by the fault.
     pub scene: Scene,
     pub camera: Camera,
-    /// The tag that a fault of one tag struck.
+    /// Id of the tag to which a fault of one tag applies.
     pub struck: Option<u32>,
 }
 
-/// Makes views, the same for the same seed.
+/// Generator of views, deterministic for a seed.
 pub struct Simulator<'a> {
     scene: &'a Scene,
     camera: &'a Camera,
@@ -50,7 +49,7 @@ pub struct Simulator<'a> {
 }
 
 impl<'a> Simulator<'a> {
-    /// The scene and the camera as they truly are.
+    /// Creates a generator for the true scene and camera.
     pub fn new(scene: &'a Scene, camera: &'a Camera, noise: Noise, seed: u64) -> Simulator<'a> {
         Simulator {
             scene,
@@ -60,7 +59,7 @@ impl<'a> Simulator<'a> {
         }
     }
 
-    /// A viewpoint of any azimuth, with pitch (degrees) and distance (mm) from these ranges.
+    /// Returns a random viewpoint of any azimuth, with elevation (degrees) and distance (mm) from these ranges.
     pub fn viewpoint(&mut self, pitch_deg: Range<f64>, distance_mm: Range<f64>) -> Viewpoint {
         Viewpoint {
             azimuth_deg: self.rng.random_range(0.0..360.0),
@@ -69,7 +68,7 @@ impl<'a> Simulator<'a> {
         }
     }
 
-    /// The view from a viewpoint towards the model, with a fault or none.
+    /// Returns the view from a viewpoint towards the model, with a fault or none.
     pub fn view(&mut self, viewpoint: &Viewpoint, fault: Option<SimulatedFault>) -> SimulatedView {
         let pose = looking_at(viewpoint, self.scene.model.target_mm());
         let mut view = SimulatedView {
@@ -86,7 +85,7 @@ impl<'a> Simulator<'a> {
         view
     }
 
-    /// What a detector sees of the scene's tags under a pose `T_camera_model`.
+    /// Returns the detections of the scene's tags under a pose `T_camera_model`.
     pub fn seen(&mut self, pose: &Rigid) -> Vec<SeenTag> {
         let tags = &self.scene.tags;
         let seen = |tag: &Tag| {
@@ -102,7 +101,7 @@ impl<'a> Simulator<'a> {
         tags.iter().filter_map(seen).collect()
     }
 
-    /// The pixels of a tag's corners with the detector's noise; `None` when the tag does not face the camera, stands outside the image or is behind
+    /// Returns the pixels of a tag's corners with the detector's noise; `None` if the tag does not face the camera, is outside the image or behind
     /// the model.
     fn seen_px(&mut self, tag: &Tag, pose: &Rigid) -> Option<[[f64; 2]; 4]> {
         let pixels = self.scene.visible_px(tag, (GRAZING, -SKIN_MM), pose, self.camera)?;
@@ -120,7 +119,7 @@ impl<'a> Simulator<'a> {
     }
 }
 
-/// `T_camera_model` of an upright camera at a viewpoint, looking at the target (model frame, mm).
+/// Returns `T_camera_model` of an upright camera at a viewpoint, looking at the target (model frame, mm).
 pub fn looking_at(viewpoint: &Viewpoint, target_mm: Point3<f64>) -> Rigid {
     let centre = viewpoint.camera_centre_mm(target_mm);
     let z = (target_mm - centre).normalize();
@@ -129,7 +128,7 @@ pub fn looking_at(viewpoint: &Viewpoint, target_mm: Point3<f64>) -> Rigid {
     rigid::from_matrix(rotation, -(rotation * centre.coords))
 }
 
-/// Normal noise of σ = 1 (Box & Muller 1958).
+/// Draws a normal random number with σ = 1 (Box & Muller 1958).
 pub fn normal(rng: &mut impl Rng) -> f64 {
     let (a, b): (f64, f64) = (rng.random::<f64>().max(1e-12), rng.random());
     (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()

@@ -1,4 +1,4 @@
-//! How tags look in a photo: the same print everywhere, so that they tell of its focus and its light.
+//! Measurement of blur and paper level at the tags of a photo: the print is known, so its image tells focus and light.
 
 use image::{GrayImage, RgbImage};
 
@@ -9,28 +9,28 @@ use scaleproof_core::geometry::distance;
 use scaleproof_core::statistics::upper_median;
 use scaleproof_photo::photo::Luma;
 
-/// Half width of the band about a side in which its blur is looked for, in bit cells and px, as where corners are fitted.
+/// Half width of the band about a side in which its blur is fitted, in bit cells and px, as in the fit of corners.
 const BAND_CELLS: f64 = 0.6;
 const MAX_BAND_PX: f64 = 6.0;
 
-/// Narrower cells are not distinguished from blur.
+/// Minimum width of a bit cell, px: narrower cells cannot be distinguished from blur.
 const MIN_CELL_PX: f64 = 3.0;
 
 /// Share of a cell left out at the ends of a side.
 const END_CELLS: f64 = 0.5;
 
-/// What the whole tags of a photo say of it.
+/// Blur and paper level measured at the whole tags of a photo.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Appearance {
     /// Standard deviation of the blur of the tags' borders, px, in the direction of the image that is most blurred: motion blurs one only.
     /// Infinity when most sides are too blurred to be fitted, `None` when no whole tag is large enough to tell.
     pub blur_px: Option<f64>,
-    /// The paper's grey level beside the tags, 0–255: the median. `None` without a whole tag.
+    /// Grey level of the paper beside the tags, 0–255: the median. `None` without a whole tag.
     pub white_level: Option<f64>,
 }
 
 impl Appearance {
-    /// Measures the whole tags of a photo; covered and cut ones say nothing of focus.
+    /// Measures the whole tags of a photo; covered and cut ones are no measure of focus.
     pub fn measure(grey: &GrayImage, tags: &[SeenTag]) -> Appearance {
         let whole = || tags.iter().filter(|tag| tag.is_whole);
         Appearance {
@@ -40,7 +40,7 @@ impl Appearance {
     }
 }
 
-/// The blur of every side that tells one, of the whole tags: covered and cut ones say nothing of focus.
+/// Returns the blur of every measurable side of the whole tags; covered and cut tags are no measure of focus.
 pub fn edge_blurs(luma: &dyn Luma, tags: &[SeenTag]) -> Vec<EdgeBlur> {
     let whole = tags.iter().enumerate().filter(|(_, tag)| tag.is_whole);
     let sides = whole.flat_map(|(at, tag)| (0..4).map(move |side| (at, tag, side)));
@@ -49,7 +49,7 @@ pub fn edge_blurs(luma: &dyn Luma, tags: &[SeenTag]) -> Vec<EdgeBlur> {
         .collect()
 }
 
-/// The paper's 8-bit level beside each tag, per channel; `None` where that is not wholly in the image.
+/// Returns the 8-bit level of the paper beside each tag, per channel; `None` if this area is not wholly in the image.
 pub fn paper_levels(rgb: &RgbImage, tags: &[SeenTag]) -> Vec<Option<[f64; 3]>> {
     let (width, height) = rgb.dimensions();
     let channels = [0, 1, 2].map(|c| GrayImage::from_fn(width, height, |x, y| image::Luma([rgb.get_pixel(x, y).0[c]])));
@@ -60,7 +60,7 @@ pub fn paper_levels(rgb: &RgbImage, tags: &[SeenTag]) -> Vec<Option<[f64; 3]>> {
     tags.iter().map(level).collect()
 }
 
-/// `None` where the side's cells are too small, or it touches the image's border.
+/// Measures the blur of a tag's side; `None` if its cells are too small, or it touches the image's border.
 fn side_blur(luma: &dyn Luma, (at, tag): (usize, &SeenTag), side: usize) -> Option<EdgeBlur> {
     let cells = tag.family.cells_across();
     let homography = TagHomography::to(&tag.corners_px);
@@ -88,7 +88,7 @@ fn side_blur(luma: &dyn Luma, (at, tag): (usize, &SeenTag), side: usize) -> Opti
     })
 }
 
-/// The lighter of the rings half a cell inside and outside the outline: families differ in which that is.
+/// Returns the level of the lighter of the rings half a cell inside and outside the outline: families differ in which that is.
 fn white(grey: &GrayImage, tag: &SeenTag) -> Option<f64> {
     let half_cell = 0.5 / tag.family.cells_across();
     let homography = TagHomography::to(&tag.corners_px);

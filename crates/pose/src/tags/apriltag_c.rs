@@ -7,7 +7,7 @@ use super::search::{Found, Search};
 use super::{CornersBy, StartError, TagDetectorChoice};
 use crate::scene::TagFamily;
 
-/// More corrected bits than this and noise starts to look like tags.
+/// Maximum number of corrected bits; with more, noise is decoded as tags.
 const MAX_HAMMING: usize = 1;
 
 /// Mean contrast between the bits and their threshold, 0–255; ghost tags in plain texture stay below it.
@@ -15,7 +15,7 @@ const MIN_DECISION_MARGIN: f32 = 20.0;
 
 /// C AprilTag at full resolution. Holds C memory, so each thread makes its own.
 pub struct AprilTagC {
-    /// The C library does not say which family a tag belongs to, so each family gets a detector.
+    /// One detector for each family, since the library does not say which family a tag belongs to.
     detectors: Vec<(TagFamily, Detector)>,
 }
 
@@ -45,7 +45,7 @@ impl AprilTagC {
 }
 
 impl Search for AprilTagC {
-    /// Ghosts are left out.
+    /// Finds tags; leaves false detections out.
     fn search_all(&mut self, grey: &GrayImage) -> Vec<Found> {
         let Some(image) = c_image(grey) else { return Vec::new() };
         let mut found = Vec::new();
@@ -73,7 +73,7 @@ fn c_family(family: TagFamily) -> Family {
     }
 }
 
-/// A copy in the C library's own image type; `None` when it has no memory for it.
+/// Copies an image to the C library's own type; `None` if it has no memory for it.
 fn c_image(grey: &GrayImage) -> Option<Image> {
     let (width, height) = (grey.width() as usize, grey.height() as usize);
     let mut image = Image::zeros_with_alignment(width, height, 96).ok()?;
@@ -85,8 +85,8 @@ fn c_image(grey: &GrayImage) -> Option<Image> {
     Some(image)
 }
 
-/// C AprilTag counts pixels from the *corner* of the first pixel and lists bottom-left, bottom-right, top-right, top-left
-/// (measured on the skyline session: either one left as it is costs 0.7° and 27 mm).
+/// Converts a detection: C AprilTag counts pixels from the *corner* of the first pixel and lists bottom-left, bottom-right, top-right, top-left
+/// (measured on the skyline session: leaving either unconverted costs 0.7° and 27 mm).
 fn converted(d: &Detection, family: TagFamily) -> Option<Found> {
     let [bottom_left, bottom_right, top_right, top_left] = d.corners().map(|[x, y]| [x - 0.5, y - 0.5]);
     Some(Found {

@@ -1,41 +1,41 @@
-//! How blurred a photo is in the direction of its most blur: from straight edges of known direction, or coarsely from all its edges.
+//! Blur of a photo in its most blurred direction: from straight edges of known direction, or coarsely from all its edges.
 
 use image::GrayImage;
 use nalgebra::{Matrix2, Matrix3, SymmetricEigen, Vector3};
 
-/// The blur that lens and pixel leave in the sharpest photo, px (standard deviation): 0.44 to 0.53 in the stored ones.
+/// Blur by lens and pixel in the sharpest photo, px (standard deviation): 0.44 to 0.53 in the stored ones.
 const LEAST_BLUR_PX: f64 = 0.4;
 
-/// The normal matrix of the edges' directions, divided by their number, has this smallest eigenvalue at least where every direction is told;
-/// it is ¼ for directions spread evenly, and 0 for those of one square.
+/// Eigenvalue of the normal matrix of the edges' directions, divided by their number, below which a direction is not determined; the smallest is ¼
+/// for directions spread evenly, and 0 for those of one square.
 const TOLD: f64 = 0.03;
 
-/// An edge that no fit found counts as this blurred, px: the half width of the widest band that is looked at.
+/// Blur assumed for an edge without a fit, px: the half width of the widest band.
 const UNFITTED_PX: f64 = 6.0;
 
-/// Rounds of reweighting, and the difference (px²) below which all weigh alike.
+/// Rounds of reweighting, and the residual (px²) below which weights are constant.
 const ROUNDS: usize = 15;
 const ALIKE_PX2: f64 = 0.02;
 
-/// The blur across one side of a tag.
+/// Blur across one side of a tag.
 #[derive(Debug, Clone, Copy)]
 pub struct EdgeBlur {
-    /// The tag's place among those that were given.
+    /// Index of the tag among those given.
     pub tag: usize,
-    /// From which of its corners the side goes to the next.
+    /// Index of the corner at which the side begins.
     pub side: usize,
     pub normal: [f64; 2],
     /// Standard deviation across the edge, px; infinity where the edge is too blurred to be fitted.
     pub px: f64,
 }
 
-/// The standard deviation of the blur in its worst direction, px; infinity when most edges are too blurred to be fitted, `None` without edges of
-/// two directions.
+/// Returns the standard deviation of the blur in its worst direction, px; infinity if most edges are too blurred to be fitted, `None` without edges
+/// of two directions.
 ///
-/// A blur of covariance S spreads an edge of normal n by the variance nᵀSn (convolution adds variances), so that S follows from edges of three
-/// directions, and the worst direction is its largest eigenvector. The sum of absolute differences is minimised (iteratively reweighted least
-/// squares, Schlossmacher 1973), since some edges lie in shadow or at another depth. The sides of squares that all lie one way do not tell motion
-/// along the diagonal from a blur of all directions: S is then the worst that agrees with them.
+/// A blur of covariance S spreads an edge of normal n by the variance nᵀSn (convolution adds variances), so S follows from edges of three directions,
+/// and the worst direction is its largest eigenvector. The sum of absolute differences is minimised (iteratively reweighted least squares,
+/// Schlossmacher 1973), since some edges lie in shadow or at another depth. Sides of equally oriented squares do not distinguish motion along the
+/// diagonal from isotropic blur: S is then the worst that agrees with them.
 pub fn worst_px(edges: &[EdgeBlur]) -> Option<f64> {
     let fitted = edges.iter().filter(|edge| edge.px.is_finite()).count();
     if 2 * fitted < edges.len() {
@@ -52,7 +52,7 @@ pub fn worst_px(edges: &[EdgeBlur]) -> Option<f64> {
         .collect();
     let mut s = Vector3::new(1.0, 0.0, 1.0);
     for _ in 0..ROUNDS {
-        // As small as not to matter where the edges tell every direction, enough to solve where they do not.
+        // Regularisation: negligible if the edges determine every direction, enough to solve if they do not.
         let (mut normal, mut right) = (Matrix3::identity() * 1e-6, Vector3::zeros());
         for (row, variance) in &equations {
             let weight = 1.0 / (variance - row.dot(&s)).abs().max(ALIKE_PX2);
@@ -77,7 +77,7 @@ pub fn worst_px(edges: &[EdgeBlur]) -> Option<f64> {
     Some(worst[0].max(worst[1]).max(0.0).sqrt())
 }
 
-/// How far S = `s` may go along `way` (px²) until its least eigenvalue is that of the sharpest photo; 0 where it is less already.
+/// Returns the distance S = `s` can move along `way` (px²) until its smallest eigenvalue is that of the sharpest photo; 0 if it is smaller already.
 fn furthest(s: &Vector3<f64>, way: &Vector3<f64>) -> f64 {
     let is_possible = |t: f64| eigenvalues(&(s + t * way))[0] >= LEAST_BLUR_PX.powi(2);
     let (mut low, mut high) = (0.0, 2.0 * s.norm());
@@ -92,25 +92,26 @@ fn furthest(s: &Vector3<f64>, way: &Vector3<f64>) -> f64 {
     low
 }
 
-/// The eigenvalues of [[a, b], [b, c]], ascending.
+/// Returns the eigenvalues of [[a, b], [b, c]], ascending.
 fn eigenvalues(s: &Vector3<f64>) -> [f64; 2] {
     let values = Matrix2::new(s[0], s[1], s[1], s[2]).symmetric_eigenvalues();
     [values.min(), values.max()]
 }
 
-/// The long side that limits in px are for; larger images may be blurred and moved more in proportion, since they are seen reduced.
+/// Long side, px, of the images to which limits in px refer; larger images may be blurred and moved more in proportion, since they are searched at
+/// reduced size.
 const LIMITS_FOR_PX: f64 = 1280.0;
 
-/// How many times longer an image is than the one that limits in px are for; small ones have the same limits.
+/// Returns the scale of limits in px for an image: its long side relative to 1280 px, at least 1.
 pub fn limit_scale(size_px: [u32; 2]) -> f64 {
     (f64::from(size_px[0].max(size_px[1])) / LIMITS_FOR_PX).max(1.0)
 }
 
-/// An image whose steepest edges are as wide as this blur (σ, px of 1280) shows no tag.
+/// Blur (σ, px of 1280) of the steepest edges from which on an image shows no tag.
 pub const HOPELESS_BLUR_PX: f64 = 3.5;
 
-/// The blur (σ, px) across and along the image that would make the steepest edges of an image from its own contrast: C / (g √2π) for the gradient g
-/// of a thousandth of the pixels. Coarse; for images without a whole tag. `None` for an image of one tone.
+/// Estimates the blur (σ, px) across and along the image from the contrast C and the gradient g of the steepest thousandth of the pixels: C / (g
+/// √2π). Coarse; for images without a whole tag. `None` for an image of one tone.
 pub fn sharpest_edges_px(grey: &GrayImage) -> [Option<f64>; 2] {
     let mut steep = [[0u32; 256]; 2];
     let mut tones = [0u32; 256];

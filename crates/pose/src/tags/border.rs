@@ -1,8 +1,8 @@
-//! Is a tag's border whole? A covered or cut tag is still decoded, but with a corner several pixels off.
+//! Test for a whole border. A covered or cut tag is still decoded, but with a corner several pixels off.
 //!
-//! Each corner then lies on whatever covers the tag. The half-cell rings just inside and just outside the found outline tell:
-//! on a whole tag one is dark and the other light all the way round. A lamp or a bend of the paper lights a tag unevenly, but smoothly: each ring
-//! is held against a gradient fitted to it.
+//! That corner lies on whatever covers the tag. The test uses the half-cell rings just inside and just outside the found outline: on a whole tag one
+//! is dark and the other light all the way round. A lamp or a bend of the paper lights a tag unevenly, but smoothly: each ring is compared with a
+//! gradient fitted to it.
 
 use image::GrayImage;
 use nalgebra::{Matrix3, Vector3};
@@ -13,16 +13,16 @@ use scaleproof_core::statistics::upper_median;
 /// Samples along each side of a ring, corners included.
 const SAMPLES: usize = 16;
 
-/// A sample belongs to its ring when it is within this share of the contrast of the ring's gradient.
+/// Maximum deviation of a ring's sample from the ring's gradient, as a share of the contrast.
 ///
 /// Measured on the 159 tags seen in the skyline photos: the six whose worst corner is 2 px off or more all have two samples or more outside it, or
 /// leave the image. Of 112 real tags (`swatbotics`, `veldrovive`), many with paper in half shadow, only one in motion blur of two cells has.
 const TOLERANCE: f64 = 0.35;
 
-/// So many of a ring's samples may be off: a grain of dirt.
+/// Maximum number of a ring's samples that may deviate, as by a grain of dirt.
 const MAX_OFF: usize = 1;
 
-/// True when both rings are of one tone all the way round, but for a gradient of the light. `cells`: width of the outline in bit cells.
+/// Returns true if both rings have one tone all the way round, up to a gradient of the light. `cells`: width of the outline in bit cells.
 pub fn is_whole(grey: &GrayImage, corners_px: &[[f64; 2]; 4], cells: f64) -> bool {
     let homography = TagHomography::to(corners_px);
     let half_cell = 0.5 / cells;
@@ -39,8 +39,8 @@ pub fn is_whole(grey: &GrayImage, corners_px: &[[f64; 2]; 4], cells: f64) -> boo
     contrast > 0.0 && is_even(&inside, half_cell) && is_even(&outside, -half_cell)
 }
 
-/// How many samples of a ring are off the gradient that fits them with the least sum of absolute differences (iteratively reweighted least squares,
-/// Schlossmacher 1973), so that what covers part of the ring does not tilt it.
+/// Counts the samples of a ring that deviate from its gradient, fitted by least absolute differences (iteratively reweighted least squares,
+/// Schlossmacher 1973), so that a cover over part of the ring does not tilt it.
 fn off_gradient(ring: &[f64], depth: f64, contrast: f64) -> usize {
     let places: Vec<Vector3<f64>> = places(depth).map(|(u, v)| Vector3::new(1.0, u, v)).collect();
     let mut gradient = Vector3::new(upper_median(ring).unwrap_or(0.0), 0.0, 0.0);
@@ -61,18 +61,18 @@ fn off_gradient(ring: &[f64], depth: f64, contrast: f64) -> usize {
     places.iter().zip(ring).filter(is_off).count()
 }
 
-/// Rounds of reweighting, and the difference, as a share of the contrast, below which all weigh alike.
+/// Rounds of reweighting, and the residual, as a share of the contrast, below which weights are constant.
 const ROUNDS: usize = 10;
 const LEAST_OFF: f64 = 0.05;
 
-/// Grey levels along a square ring, `depth` (share of the side) inside the outline; `None` when it leaves the image.
+/// Samples grey levels along a square ring, `depth` (share of the side) inside the outline; `None` if it leaves the image.
 pub(super) fn ring(grey: &GrayImage, homography: &TagHomography, depth: f64) -> Option<Vec<f64>> {
     places(depth)
         .map(|(u, v)| level(grey, homography.pixel(u, v)))
         .collect()
 }
 
-/// Where a ring is sampled, in the outline's unit square.
+/// Returns the sampling positions of a ring, in the outline's unit square.
 fn places(depth: f64) -> impl Iterator<Item = (f64, f64)> {
     let (low, high) = (depth, 1.0 - depth);
     (0..SAMPLES).flat_map(move |i| {
@@ -81,14 +81,14 @@ fn places(depth: f64) -> impl Iterator<Item = (f64, f64)> {
     })
 }
 
-/// Bilinear grey level; `None` outside the image.
+/// Returns the bilinearly interpolated grey level; `None` outside the image.
 pub(super) fn level(grey: &GrayImage, [x, y]: [f64; 2]) -> Option<f64> {
     let (width, height) = grey.dimensions();
     let inside = x >= 0.0 && y >= 0.0 && x <= f64::from(width) - 1.0 && y <= f64::from(height) - 1.0;
     if !inside {
         return None;
     }
-    // The function of the crate image takes four times as long; the result is the same.
+    // The function of the crate image takes four times as long, with the same result.
     let (x, y) = (x as f32, y as f32);
     let (left, above) = ((x as u32).min(width - 1), (y as u32).min(height - 1));
     let (right, below) = ((left + 1).min(width - 1), (above + 1).min(height - 1));

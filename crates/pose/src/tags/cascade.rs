@@ -1,7 +1,7 @@
-//! The default: several finders one after the other, the fastest first, until nothing is missing.
+//! Default tag detector: several finders in turn, the fastest first, until nothing is missing.
 //!
-//! The caller says what the tags found so far leave open: whether they make a pose, and where that pose expects tags that were not found. The
-//! cascade looks for those in their places before the next finder starts. Dark images are stretched first, and noisy or dull ones searched at half the size.
+//! The caller reports what is still missing: whether the tags found so far determine a pose, and where that pose predicts further tags. The cascade
+//! searches those places before the next finder starts. Dark images are stretched first, and noisy or dull ones searched at half the size.
 
 use std::borrow::Cow;
 
@@ -17,59 +17,60 @@ use super::{SeenTag, StartError, TagDetector, rivals};
 use crate::scene::TagFamily;
 use scaleproof_photo::photo::{Luma, REDUCTIONS};
 
-/// Images of at most this long side are searched as they are, larger ones reduced to it at most.
+/// Maximum long side of searched images, px; larger ones are reduced to it.
 const SEARCHED_PX: u32 = 1600;
 
-/// The first finder is shown the larger ones still smaller, at least this long: tags that it misses are looked for where the pose expects them.
+/// Minimum long side, px, of the smaller image for the first finder: tags that it misses are searched at their predicted positions.
 const SMALL_PX: u32 = 800;
 
-/// No image is searched at half the size where that leaves less, px of its long side: tags in small images have few pixels.
+/// Minimum long side, px, of an image at half the size: tags in small images have few pixels.
 const LEAST_HALF_PX: u32 = 600;
 
-/// Live images are reduced to at most this long side, px: the answer must come soon, and the next image brings another chance.
+/// Maximum long side of live images, px: the answer must come soon, and the next image brings another chance.
 const SEARCHED_LIVE_PX: u32 = 640;
 
-/// Tags that are found in their places make a better pose, which tells more places; so often at most.
+/// Maximum rounds of searches at predicted positions: the tags found improve the pose, which predicts more.
 const MOST_LOOKS: usize = 3;
 
-/// With so many whole tags where the last image's pose expects them, a live image's pose is as good as one that a search makes.
+/// Number of whole tags at the positions predicted by the last image's pose that makes a search of a live image unnecessary.
 const ENOUGH_LIVE_TAGS: usize = 4;
 
-/// With so many whole tags a pose is likely beyond doubt, and small ones that a reduced image hides are not missed: where nobody says what is missing.
+/// Number of whole tags that likely determine a pose, so that small ones lost in a reduced image are not needed; used if the caller reports nothing
+/// missing.
 const ENOUGH_TAGS: usize = 2;
 
-/// Finders in turn. Holds C memory, so each thread makes its own.
+/// Detector that runs finders in turn. Holds C memory, so each thread makes its own.
 pub struct Cascade {
     stages: Vec<Stage>,
     first: View,
-    /// A pose by so many whole tags is enough, whatever else is expected; `None` where all is looked for.
+    /// Number of whole tags after which a pose suffices, even if more are predicted; `None` to search for all.
     enough_tags: Option<usize>,
 }
 
-/// One finder and when it runs.
+/// Finder with the condition under which it runs.
 struct Stage {
     search: Box<dyn Search>,
     view: View,
     need: Need,
 }
 
-/// What a finder is shown.
+/// Version of the image given to a finder.
 #[derive(Clone, Copy, PartialEq)]
 enum View {
     /// The image reduced to about this long side, px.
     Reduced(u32),
     /// A large image reduced further.
     Small,
-    /// All of an image that is reduced for others.
+    /// Image at full size, if it is reduced for other finders.
     Whole,
 }
 
-/// When a finder runs.
+/// Condition under which a finder runs.
 #[derive(Clone, Copy, PartialEq)]
 enum Need {
     /// While tags are missing.
     MissingTags,
-    /// While there is no pose: it takes long, or sees little where tags are clear.
+    /// While there is no pose: for finders that are slow, or find little among clear tags.
     NoPose,
 }
 
@@ -96,7 +97,7 @@ impl Cascade {
         })
     }
 
-    /// A faster one, which misses small tags: the fastest finder alone, on a small image.
+    /// Creates a faster detector, which misses small tags: the fastest finder alone, on a small image.
     pub fn live(families: &[TagFamily]) -> Result<Cascade, StartError> {
         let stage = Stage {
             search: match rivals::finders(Strength::Speed, families)?.into_iter().next() {
@@ -115,23 +116,23 @@ impl Cascade {
 }
 
 impl Stage {
-    /// `None` where it would be shown what others have been shown.
+    /// Searches the stage's view of an image; `None` if another stage has searched the same.
     fn search(&mut self, shown: &Shown) -> Option<Vec<Found>> {
         let factor = shown.factor(self.view)?;
         Some(reduced_by(shown, factor, |small| self.search.search(small)))
     }
 }
 
-/// An image as the finders are shown it.
+/// Image as prepared for the finders.
 struct Shown<'a> {
     luma: &'a dyn Luma,
     legibility: Legibility,
-    /// What was measured, and its factor: the first finder is mostly shown the same.
+    /// Reduction factor and pixels of the measured image, reused for the first finder, which mostly searches the same.
     measured: (u32, &'a GrayImage),
 }
 
 impl Shown<'_> {
-    /// Measures an image as the first finder is shown it, stretches it where it is dark, and hands it on.
+    /// Measures an image as the first finder gets it, stretches it if it is dark, and passes it to `then`.
     fn with<T>(luma: &dyn Luma, first: View, then: impl FnOnce(&Shown) -> T) -> T {
         let [width, height] = luma.size();
         let factor = first.factor(width.max(height), None).unwrap_or(1);
@@ -179,7 +180,8 @@ impl Luma for Shown<'_> {
 }
 
 impl View {
-    /// By how much an image is reduced for it, as far as is known how legible it is. `None` where this view shows no more than others do.
+    /// Returns the factor by which an image is reduced for this view, given its legibility if known. `None` if this view shows no more than others
+    /// do.
     fn factor(self, longest: u32, known: Option<&Legibility>) -> Option<u32> {
         let reduced = |to_px: u32| {
             let factor = longest.div_ceil(to_px).max(1);
@@ -199,7 +201,7 @@ impl View {
 }
 
 impl TagDetector for Cascade {
-    /// Without a scene it is not known what is missing: all finders run, the slow ones only where almost nothing is found.
+    /// Finds tags without knowing which are missing: all finders run, the slow ones only if almost nothing is found.
     fn find(&mut self, luma: &dyn Luma) -> Vec<SeenTag> {
         Shown::with(luma, self.first, |shown| {
             let mut tags = MergedTags::default();
@@ -221,7 +223,7 @@ impl TagDetector for Cascade {
         let enough_tags = self.enough_tags;
         let is_done = |seen: &[SeenTag], left: &StillMissing| {
             let whole = seen.iter().filter(|tag| tag.is_whole).count();
-            // A lone tag of another size than the scene's fits as well, and then expects the others elsewhere.
+            // A lone tag of another size than the scene's fits as well, and then predicts the others in wrong places.
             let is_lone = whole < 2;
             let is_enough = enough_tags.is_some_and(|enough| whole >= enough);
             left.has_pose && !is_lone && (is_enough || !left.expected.iter().any(|tag| tag.is_in_plain_view))
@@ -247,7 +249,7 @@ impl TagDetector for Cascade {
     }
 }
 
-/// Looks for what is missing in its places, until nothing more is found there.
+/// Searches for missing tags at their predicted positions, until nothing more is found.
 fn looked(
     tags: &mut MergedTags,
     luma: &dyn Luma,
@@ -266,8 +268,8 @@ fn looked(
     (seen, left)
 }
 
-/// What all tags leave open; where they make no pose, and those with fitted corners alone do, what these leave. One of them alone would be chosen
-/// against the others, which may be right.
+/// Returns the tags to rely on and what they leave missing: all tags, or only those with fitted corners if these determine a pose and all together do
+/// not. A single fitted tag is never preferred to the others, which may be right.
 fn asked(tags: &MergedTags, missing: &mut dyn FnMut(&[SeenTag]) -> StillMissing) -> (Vec<SeenTag>, StillMissing) {
     let seen = tags.seen();
     let left = missing(&seen);
@@ -282,11 +284,11 @@ fn asked(tags: &MergedTags, missing: &mut dyn FnMut(&[SeenTag]) -> StillMissing)
     (seen, left)
 }
 
-/// C AprilTag on a reduced image, and our own corners. Holds C memory, so each thread makes its own.
+/// Detector by C AprilTag on a reduced image, with fitted corners. Holds C memory, so each thread makes its own.
 pub struct CoarseToFine {
     search: AprilTagC,
     searched_px: u32,
-    /// With fewer whole tags the image is searched again at full size.
+    /// Number of whole tags below which the image is searched again at full size.
     enough_tags: usize,
 }
 
@@ -299,7 +301,7 @@ impl CoarseToFine {
         })
     }
 
-    /// A faster one, which misses small tags: it searches a smaller image, and never twice.
+    /// Creates a faster detector, which misses small tags: it searches a smaller image, and never twice.
     pub fn live(families: &[TagFamily]) -> Result<CoarseToFine, StartError> {
         Ok(CoarseToFine {
             searched_px: SEARCHED_LIVE_PX,

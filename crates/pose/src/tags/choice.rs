@@ -1,4 +1,4 @@
-//! The tag detectors by name.
+//! Choice of a tag detector by name.
 
 use std::fmt;
 use std::str::FromStr;
@@ -27,16 +27,16 @@ pub enum TagDetectorChoice {
     Locus,
 }
 
-/// Who says where the corners of a found tag are.
+/// Source of a found tag's corners.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum CornersBy {
-    /// The fit that all choices share, so that they differ in what they find only.
+    /// The fit common to all choices, so that they differ only in which tags they find.
     Fit,
     /// The library that found the tag, OpenCV by `cornerSubPix`. For comparison: the yaw of one tag then differs by up to 1.5° between libraries.
     Library,
 }
 
-/// Why a tag detector could not start.
+/// Reason why a tag detector could not start.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StartError {
@@ -65,7 +65,7 @@ pub enum StartError {
 }
 
 impl TagDetectorChoice {
-    /// Those that can be chosen by name, the default first: finders of tags whose corners are then fitted alike.
+    /// Detectors that can be chosen by name, the default first; their corners are all fitted alike.
     pub const ALL: [TagDetectorChoice; 5] = [
         TagDetectorChoice::Cascade,
         TagDetectorChoice::CoarseToFine,
@@ -74,11 +74,11 @@ impl TagDetectorChoice {
         TagDetectorChoice::Locus,
     ];
 
-    /// Libraries with their own corners, which charts compare with the others.
+    /// Libraries with their own corners, for comparison in charts.
     pub const PEERS: [TagDetectorChoice; 2] =
         [TagDetectorChoice::AprilTagC(Library), TagDetectorChoice::Aruco(Library)];
 
-    /// What it is called, and chosen by.
+    /// Returns the name by which the detector is chosen.
     pub fn name(self) -> &'static str {
         match self {
             TagDetectorChoice::Cascade => "cascade",
@@ -91,7 +91,7 @@ impl TagDetectorChoice {
         }
     }
 
-    /// Whether it knows a family's codes.
+    /// Returns true if the detector can read the family.
     pub fn reads(self, family: TagFamily) -> bool {
         match self {
             TagDetectorChoice::Cascade | TagDetectorChoice::CoarseToFine | TagDetectorChoice::AprilTagC(_) => true,
@@ -102,7 +102,7 @@ impl TagDetectorChoice {
         }
     }
 
-    /// Refuses families that a detector cannot read.
+    /// Returns an error for families that the detector cannot read.
     pub(super) fn check_families(self, families: &[TagFamily]) -> Result<(), StartError> {
         match families.iter().find(|family| !self.reads(**family)) {
             None => Ok(()),
@@ -113,7 +113,7 @@ impl TagDetectorChoice {
         }
     }
 
-    /// A library's detector for each family, since libraries do not say which family a tag belongs to.
+    /// Starts a library's detector for each family, since libraries do not say which family a tag belongs to.
     pub(super) fn for_each_family<D, E: fmt::Display>(
         self,
         families: &[TagFamily],

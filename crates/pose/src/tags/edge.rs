@@ -1,4 +1,4 @@
-//! One blurred straight edge, fitted to the pixels of a band about it.
+//! Fit of one blurred straight edge to the pixels of a band about it.
 
 use nalgebra::{SMatrix, SVector};
 use palette::encoding::{IntoLinear, Srgb};
@@ -6,7 +6,7 @@ use palette::encoding::{IntoLinear, Srgb};
 use scaleproof_core::least_squares::{LeastSquares, Limits, minimise};
 use scaleproof_core::statistics::normal::fast_normal_cdf_and_density;
 
-/// Where the edge is: `offset + slope · along` px across the first guess.
+/// Position of an edge relative to the first guess: `offset + slope · along` px across it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Edge {
     pub offset: f64,
@@ -14,12 +14,12 @@ pub(super) struct Edge {
     pub profile: EdgeProfile,
 }
 
-/// What the pixels across an edge show.
+/// Brightness profile of the pixels across an edge.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct EdgeProfile {
     /// Standard deviation of the blur, px.
     pub blur: f64,
-    /// Light on either side, 0–1.
+    /// Linear light on either side, 0–1.
     outside: f64,
     inside: f64,
 }
@@ -27,7 +27,7 @@ pub(super) struct EdgeProfile {
 /// Difference of light between the two sides below which there is no edge, full scale 1.
 const MIN_CONTRAST: f64 = 0.02;
 
-/// Root mean square misfit, as a share of the contrast, above which the pixels show something else than one straight edge.
+/// Root mean square residual, as a share of the contrast, above which the pixels do not show a single straight edge.
 const MAX_MISFIT: f64 = 0.15;
 
 const LIMITS: Limits = Limits {
@@ -40,8 +40,8 @@ const LIMITS: Limits = Limits {
 /// Offset (px), slope (px), blur (px, standard deviation), light outside and inside (0–1).
 type Parameters = SVector<f64, 5>;
 
-/// Fits light = outside + (inside − outside) · Φ((across − offset − slope · along) / blur), Φ the normal distribution.
-/// `None` when there is no such edge in the band of half width `band`, px. `guess`: of an earlier fit, which saves steps.
+/// Fits light = outside + (inside − outside) · Φ((across − offset − slope · along) / blur), Φ the normal distribution. `None` if there is no such
+/// edge in the band of half width `band`, px. `guess`: from an earlier fit, which saves steps.
 pub(super) fn fit(pixels: &BandPixels, band: f64, guess: Option<EdgeProfile>) -> Option<Edge> {
     let EdgeProfile { blur, outside, inside } = guess.or_else(|| pixels.first_guess(band))?;
     let start = Parameters::from([0.0, 0.0, blur, outside, inside]);
@@ -55,8 +55,8 @@ pub(super) fn fit(pixels: &BandPixels, band: f64, guess: Option<EdgeProfile>) ->
     seen.then_some(Edge { offset, slope, profile })
 }
 
-/// The pixels of a band, a list for each quantity: several pixels then take one instruction. Single precision is 4 parts in 10⁸ of full light,
-/// a step of a photo's 256 is 4 parts in 10³.
+/// Pixels of a band, as one list for each quantity, so that several are computed per instruction. Single precision is 4 parts in 10⁸ of full light, a
+/// step of a photo's 256 is 4 parts in 10³.
 #[derive(Default)]
 pub(super) struct BandPixels {
     along: Vec<f32>,
@@ -65,7 +65,7 @@ pub(super) struct BandPixels {
 }
 
 impl BandPixels {
-    /// Adds a pixel: where it is along the first guess of the edge, from −1 to 1, and across it, px, positive inside the tag; its grey level as
+    /// Adds a pixel: its position along the first guess of the edge, from −1 to 1, and across it, px, positive inside the tag; its grey level as
     /// stored.
     pub(super) fn push(&mut self, along: f64, across: f64, level: u8) {
         self.along.push(along as f32);
@@ -73,7 +73,7 @@ impl BandPixels {
         self.light.push(linear_light()[usize::from(level)]);
     }
 
-    /// Levels from the two outer thirds of the band; `None` without pixels on both sides.
+    /// Guesses the profile from the two outer thirds of the band; `None` without pixels on both sides.
     fn first_guess(&self, band: f64) -> Option<EdgeProfile> {
         let mean = |side: f64| {
             let far = self.across.iter().zip(&self.light);
@@ -97,14 +97,14 @@ impl BandPixels {
     }
 }
 
-/// Pixels that are summed side by side.
+/// Number of pixels summed in parallel (SIMD lanes).
 const LANES: usize = 8;
 
-/// With the density d and the share s = Φ at a pixel, its place a along and u across, and its misfit r: the sums of d², d²a, d²u, (da)², d²au,
-/// (du)², d, da, du, ds, das, dus, s, s², rd, rda, rdu, r, rs, r².
+/// Sums for the normal equations. With the density d and the share s = Φ at a pixel, its place a along and u across, and its misfit r: the sums of
+/// d², d²a, d²u, (da)², d²au, (du)², d, da, du, ds, das, dus, s, s², rd, rda, rdu, r, rs, r².
 type Sums = [[f64; 5]; 4];
 
-/// The [`Sums`] of N pixels side by side.
+/// Computes the [`Sums`] of the pixels, N at a time.
 #[inline(always)]
 fn sums_by<const N: usize>([along, across, light]: [&[f32]; 3], parameters: &Parameters) -> Sums {
     let [offset, slope, blur, outside, inside] = (*parameters).map(|p| p as f32).into();
@@ -137,7 +137,7 @@ fn times<const N: usize>(a: [f32; N], b: [f32; N]) -> [f32; N] {
 }
 
 scaleproof_core::by_avx2! {
-    /// Several pixels side by side.
+    /// Computes the [`Sums`] of the pixels, `LANES` at a time.
     fn sums_of_many(lists: [&[f32]; 3], parameters: &Parameters) -> Sums {
         sums_by::<LANES>(lists, parameters)
     }
@@ -154,7 +154,7 @@ struct EdgeEquations<'a> {
 }
 
 impl<'a> EdgeEquations<'a> {
-    /// A pixel's derivatives are t, ta, tu, 1 − s and s, with t = −(inside − outside) · d / blur.
+    /// Builds the normal equations; a pixel's derivatives are t, ta, tu, 1 − s and s, with t = −(inside − outside) · d / blur.
     fn at(parameters: Parameters, pixels: &'a BandPixels, band: f64) -> EdgeEquations<'a> {
         let [_, _, blur, outside, inside] = parameters.into();
         let t = -(inside - outside) / blur;
@@ -196,7 +196,7 @@ impl LeastSquares for EdgeEquations<'_> {
     }
 }
 
-/// The light behind each stored level, 0–1 (IEC 61966-2-1, sRGB).
+/// Returns the linear light of each stored level, 0–1 (IEC 61966-2-1, sRGB).
 fn linear_light() -> &'static [f32; 256] {
     static TABLE: std::sync::LazyLock<[f32; 256]> = std::sync::LazyLock::new(|| {
         // Not `palette`'s own table of 8-bit levels, which is exact to 7e-7 only.

@@ -1,5 +1,4 @@
-//! Tags looked for where they should be: a search that knows the id and the place sees smaller and more blurred ones than one that knows
-//! neither.
+//! Search for tags at predicted positions: knowing id and place, it finds smaller and more blurred tags than a search of the whole image.
 
 use image::GrayImage;
 
@@ -13,45 +12,44 @@ use super::{TagImage, shortest_side_px};
 use crate::scene::TagFamily;
 use scaleproof_photo::photo::Luma;
 
-/// Where a tag should be, by a pose that may be right.
+/// Tag predicted by a possible pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExpectedTag {
-    /// Which code it is of.
+    /// Family of the tag.
     pub family: TagFamily,
-    /// Its number in the family.
+    /// Number of the tag in its family.
     pub id: u32,
     /// Pixel corners as in [`super::SeenTag`].
     pub corners_px: [[f64; 2]; 4],
-    /// It faces the camera, unhidden, large and well inside the image: a search that misses it is not done.
+    /// True if the tag faces the camera, unhidden, large and well inside the image: a search that misses it is incomplete.
     pub is_in_plain_view: bool,
 }
 
-/// What the tags found so far leave to be found.
+/// Result of matching the tags found so far with the scene: what is still missing.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct StillMissing {
-    /// They make a pose that is beyond doubt.
+    /// True if they determine a pose without ambiguity.
     pub has_pose: bool,
-    /// The tags that the pose, or else each pose they allow, expects where none was found.
+    /// Tags not found yet that the pose predicts or, without one, each pose the tags allow.
     pub expected: Vec<ExpectedTag>,
 }
 
-/// How far from its place a tag is looked for, in steps of half a bit cell.
+/// Maximum offset from the predicted position, in steps of half a bit cell.
 const REACH_HALF_CELLS: usize = 5;
 
-/// A tag is believed where its code correlates at least so much with the pixels. Another tag of 36h11 has 11 of 36 bits otherwise, which is
-/// 0.39 at most.
+/// Minimum correlation of a tag's code with the pixels. Another tag of 36h11 differs in 11 of 36 bits, so it has at most 0.39.
 const LEAST_CODE: f64 = 0.7;
 const LEAST_ALL: f64 = 0.6;
 
-/// Smaller cells show no code.
+/// Minimum size of a legible bit cell.
 const LEAST_CELL_PX: f64 = 1.5;
 
-/// The tag at its place, or nearby, if its code is there and its sides are seen.
+/// Returns the tag at its predicted position, or nearby, if its code matches and its sides are visible.
 pub(super) fn look(luma: &dyn Luma, expected: &ExpectedTag) -> Option<TagFit> {
     let tag = TagImage::new(expected.family, expected.id)?;
     let cells = expected.family.cells_across();
     let pattern = CellPattern::new(&tag);
-    // Far corners of a tag seen at a slant have smaller cells than near ones: reach is counted in the larger.
+    // Reach is counted in the larger cells: far corners of a tag seen at a slant have smaller cells than near ones.
     let reach = (REACH_HALF_CELLS as f64 / 2.0 + refine::REACH.0, refine::REACH.1);
     let part = Part::around(luma, &expected.corners_px, cells, reach);
     let (grey, place) = (&part.pixels, part.inside(&expected.corners_px));
@@ -67,7 +65,7 @@ pub(super) fn look(luma: &dyn Luma, expected: &ExpectedTag) -> Option<TagFit> {
     Some(TagFit::with(found, part, Some(outline)))
 }
 
-/// The corners fitted to the sides that are seen near a place, if the code is between them.
+/// Fits the sides near a position and returns them with their corners, if the code between them matches.
 fn confirmed(grey: &GrayImage, corners_px: &Corners, pattern: &CellPattern, cells: f64) -> Option<(TagSides, Corners)> {
     let outline = refine::outline(grey, corners_px, cells)?;
     let fitted = outline.corners(0.0)?;
@@ -76,7 +74,7 @@ fn confirmed(grey: &GrayImage, corners_px: &Corners, pattern: &CellPattern, cell
     (is_tag && border::is_whole(grey, &fitted, cells)).then_some((outline, fitted))
 }
 
-/// The place within reach that looks most like the tag.
+/// Returns the position within reach that correlates best with the tag.
 fn most_alike(grey: &GrayImage, corners_px: &Corners, pattern: &CellPattern, cells: f64) -> Option<Corners> {
     let cell_px = shortest_side_px(corners_px) / cells;
     if cell_px.is_nan() || cell_px < LEAST_CELL_PX {

@@ -1,4 +1,4 @@
-//! The corners of found tags, whoever found them: sides fitted at full size, moved by what blur and ink do to every edge.
+//! Corner fit of tags from any finder: sides fitted at full size, corrected for the shift of edges by blur and ink.
 
 use super::part::Part;
 use super::refine::{self, TagSides};
@@ -7,7 +7,7 @@ use super::{SeenTag, TagDetector, TagImage, inset};
 use scaleproof_core::statistics::upper_median;
 use scaleproof_photo::photo::Luma;
 
-/// A library's search, followed by the fit: detectors then differ in what they find, not in where its corners are.
+/// Detector of a library's search, followed by the common fit: detectors then differ in what they find, not in corner positions.
 pub(super) struct WithFittedCorners<S>(pub S);
 
 impl<S: Search> TagDetector for WithFittedCorners<S> {
@@ -21,9 +21,9 @@ pub(super) fn fitted(found: Vec<Found>, luma: &dyn Luma) -> Vec<SeenTag> {
     seen(fits.iter())
 }
 
-/// The tags with the corners of their fits.
+/// Returns the tags with their fitted corners.
 pub(super) fn seen<'a>(fits: impl Iterator<Item = &'a TagFit> + Clone) -> Vec<SeenTag> {
-    // Blur is much the same all over a photo, so small tags take what the larger ones show.
+    // Blur varies little over a photo, so small tags use the inset of the larger ones.
     let insets: Vec<f64> = fits.clone().filter_map(|fit| fit.inset_px).collect();
     let usual = upper_median(&insets).unwrap_or(0.0);
     fits.map(|fit| fit.seen(usual)).collect()
@@ -32,11 +32,11 @@ pub(super) fn seen<'a>(fits: impl Iterator<Item = &'a TagFit> + Clone) -> Vec<Se
 pub(super) struct TagFit {
     pub found: Found,
     part: Part,
-    /// In the part; `None` where some side cannot be seen well enough.
+    /// Fitted sides, in the pixels of `part`; `None` if a side is not visible well enough.
     outline: Option<TagSides>,
-    /// How far the lines lie inside the true outline; `None` where the tag is too small to tell.
+    /// Distance of the lines inside the true outline; `None` if the tag is too small to tell.
     inset_px: Option<f64>,
-    /// The tag, where no other one's inset moves its corners.
+    /// The tag with final corners, if they do not depend on other tags' insets.
     settled: Option<SeenTag>,
 }
 
@@ -48,7 +48,7 @@ impl TagFit {
         TagFit::with(found, part, outline)
     }
 
-    /// Of a tag whose sides were fitted already, in a part of the image.
+    /// Creates the fit of a tag whose sides were fitted already, in a part of the image.
     pub(super) fn with(found: Found, part: Part, outline: Option<TagSides>) -> TagFit {
         let inset = |outline: &TagSides| {
             let tag = TagImage::new(found.family, found.id)?;
@@ -67,7 +67,7 @@ impl TagFit {
         fit
     }
 
-    /// Whether all its sides were seen well enough.
+    /// Returns true if all its sides could be fitted.
     pub(super) fn is_fitted(&self) -> bool {
         self.outline.is_some()
     }
@@ -76,7 +76,7 @@ impl TagFit {
         self.settled.clone().unwrap_or_else(|| self.moved(usual_inset_px))
     }
 
-    /// The tag with its sides moved outwards. The search's own corners stay where the sides could not be fitted.
+    /// Returns the tag with its sides moved outwards; with the search's own corners if the sides could not be fitted.
     fn moved(&self, outwards_px: f64) -> SeenTag {
         let fitted = self.outline.as_ref().and_then(|outline| outline.corners(outwards_px));
         let corners_px = fitted.unwrap_or_else(|| self.part.inside(&self.found.corners_px));

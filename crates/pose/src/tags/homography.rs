@@ -1,13 +1,13 @@
-//! A tag's outline as a map from the unit square.
+//! Homography from the unit square to a tag's outline.
 
-/// The projective map of the unit square onto four pixels (Heckbert 1989, "Fundamentals of Texture Mapping", 2.2.3).
+/// Homography of the unit square onto four pixels (Heckbert 1989, "Fundamentals of Texture Mapping", 2.2.3).
 pub struct TagHomography {
-    /// The rows of the matrix: those of x, y and the denominator.
+    /// Rows of the matrix: those of x, y and the denominator.
     rows: [[f64; 3]; 3],
 }
 
 impl TagHomography {
-    /// (0, 0), (1, 0), (1, 1), (0, 1) land on the corners in their order.
+    /// Returns the homography that maps (0, 0), (1, 0), (1, 1), (0, 1) to the corners in their order.
     pub fn to([p0, p1, p2, p3]: &[[f64; 2]; 4]) -> TagHomography {
         let sum = |i: usize| p0[i] - p1[i] + p2[i] - p3[i];
         let [dx1, dy1] = [p1[0] - p2[0], p1[1] - p2[1]];
@@ -21,13 +21,13 @@ impl TagHomography {
         }
     }
 
-    /// The pixel of a point of the unit square.
+    /// Returns the pixel of a point of the unit square.
     pub fn pixel(&self, u: f64, v: f64) -> [f64; 2] {
         let [x, y, w] = self.rows.map(|[a, b, c]| a * u + b * v + c);
         [x / w, y / w]
     }
 
-    /// The pixel at a share of a side, from its first corner on, and a share of the way across to the opposite side.
+    /// Returns the pixel at a share of a side's length, from its first corner on, and at a share of the distance to the opposite side.
     pub fn pixel_at(&self, side: usize, along: f64, depth: f64) -> [f64; 2] {
         match side {
             0 => self.pixel(along, depth),

@@ -1,30 +1,30 @@
-//! By how much all dark areas of a tag look too small (or too large) in a photo.
+//! Apparent shrinkage (or growth) of all dark areas of a tag in a photo.
 //!
-//! Blur mixes light, the camera's tone curve bends it, and an ink spreads on paper: each moves every edge between dark and light
-//! by the same small distance. The ring of cells just inside the outline is one cell wide. Where the cell behind it has the other
-//! tone, its far edge is seen too and moves the other way, so that the ring's width tells the distance, whatever its cause.
+//! Blur mixes light, the camera's tone curve distorts it, and ink spreads on paper: each moves every edge between dark and light by the same small
+//! distance. The ring of cells just inside the outline is one cell wide. If the cell behind it has the other tone, its far edge is visible too and
+//! moves the other way, so the ring's width gives the distance, regardless of the cause.
 
 use image::GrayImage;
 
 use super::{TagHomography, TagImage, refine};
 use scaleproof_core::geometry::stretches;
 
-/// Below so many pixels a cell, the blur of its other edge moves an edge too.
+/// Minimum pixels per cell; with fewer, the blur of one edge of the ring moves the other.
 const MIN_CELL_PX: f64 = 4.0;
 
-/// Fewer cells of far edge than this are a guess.
+/// Minimum number of cells with a visible far edge.
 const MIN_CELLS: f64 = 3.0;
 
-/// Share of a cell that is left out where the cells behind the ring change their tone.
+/// Share of a cell left out at tone changes of the cells behind the ring.
 const END_CELLS: f64 = 0.25;
 
-/// Share of a cell kept on either side of the far edge.
+/// Half width of the band about the far edge, as a share of a cell.
 const BAND_CELLS: f64 = 0.5;
 
-/// More than this share of a cell is no blur but another image.
+/// Maximum inset, as a share of a cell; more is not blur.
 const MAX_CELLS: f64 = 0.25;
 
-/// How far, px, the outline was found inside the true one. `None` for a tag that is too small to tell.
+/// Returns the distance, px, of the found outline inside the true one. `None` for a tag that is too small to tell.
 ///
 /// `corners_px`: the outline as fitted by [`refine::outline`].
 pub(super) fn inset_px(grey: &GrayImage, corners_px: &[[f64; 2]; 4], tag: &TagImage) -> Option<f64> {
@@ -51,14 +51,14 @@ pub(super) fn inset_px(grey: &GrayImage, corners_px: &[[f64; 2]; 4], tag: &TagIm
     if weight < MIN_CELLS {
         return None;
     }
-    // The outline lies `inset` inwards, so the far edge is looked for (1 − 2 / n) · inset inwards; it lies `inset` outwards.
+    // The outline lies `inset` too far inwards, so the far edge is searched (1 − 2 / n) · inset too far inwards; it appears `inset` too far outwards.
     let inset = -moved / weight / (2.0 - 2.0 / n);
     let cells = (0..4).map(|side| refine::cell_px(&homography, side, n));
     let smallest = cells.fold(f64::INFINITY, f64::min);
     (inset.abs() < MAX_CELLS * smallest).then_some(inset)
 }
 
-/// For each cell along a side: whether the cell behind the ring differs from the ring. The two end cells belong to the ring.
+/// Returns, for each cell along a side, whether the cell behind the ring differs from the ring. The two end cells belong to the ring.
 pub fn behind_the_ring(tag: &TagImage, side: usize) -> Vec<bool> {
     let (modules, n) = (tag.modules(), tag.border_modules());
     let first = (modules.side() - n) / 2;

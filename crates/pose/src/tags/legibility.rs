@@ -1,37 +1,37 @@
-//! What an image shows at the scale of its pixels: how many grey levels, how much noise, how sharp an edge. Tags are sought in an image that is
-//! stretched where it is dark, and half as large where its pixels hold noise, or nothing that half as many would not hold.
+//! Legibility of an image at the scale of its pixels: number of grey levels, noise, sharpness of edges. Dark images are stretched before the search,
+//! and noisy or dull ones searched at half the size.
 //!
-//! Of 192 spoiled copies of the skyline photos (`benches/pose_speed.sh`), dark ones show 16 of 30 poses as they are and 29 stretched; noisy ones as many at half
-//! their size, in a sixth of the time.
+//! Of 192 spoiled copies of the skyline photos (`benches/pose_speed.sh`), dark ones give 16 of 30 poses as they are and 29 stretched; noisy ones as
+//! many at half their size, in a sixth of the time.
 
 use image::GrayImage;
 
-/// Grey levels from the darkest to the brightest 0.5 % of the pixels, below which an image is stretched to all of them: the libraries take
-/// differences of 5 to 7 levels for none.
+/// Range of grey levels between the darkest and the brightest 0.5 % of the pixels below which an image is stretched: the libraries ignore differences
+/// of 5 to 7 levels.
 const FEW_LEVELS: f64 = 64.0;
 
-/// Noise per pixel, as a share of those levels, from which half the size shows more. Real photos have up to 0.013.
+/// Noise per pixel, as a share of that range, from which half the size shows more. Real photos have up to 0.013.
 const MUCH_NOISE: f64 = 0.03;
 
-/// The sharpest 0.1 % of edges change by less than this share of those levels from a pixel to the next where a Gaussian of 2 px or wider blurs them. Sharp
-/// photos have 0.33 and more.
+/// Difference between neighbouring pixels of the sharpest 0.1 % of edges, as a share of that range, below which an image is dull, as by a Gaussian of
+/// 2 px or wider. Sharp photos have 0.33 and more.
 const DULL_EDGE: f64 = 0.2;
 
-/// Every so many pixels, across and down, four neighbours are measured.
+/// Step, across and down, between measured squares of four pixels.
 const STRIDE: usize = 4;
 
 pub(super) struct Legibility {
-    /// The levels of the darkest and the brightest 0.5 % of the pixels.
+    /// Level below which the darkest 0.5 % of the pixels lie; `levels` is the range from there to the brightest 0.5 %.
     dark: f64,
     levels: f64,
     noise: f64,
-    /// By how much the sharpest 0.1 % of neighbours differ.
+    /// Difference between neighbours at the sharpest 0.1 % of edges.
     edge: f64,
 }
 
 impl Legibility {
-    /// By squares of four pixels: their mean, how much their halves differ, and how much their diagonals do, in which edges nearly cancel (as the finest
-    /// wavelet, of which the median tells the noise: Donoho & Johnstone 1994, "Ideal spatial adaptation by wavelet shrinkage").
+    /// Measures an image by squares of four pixels: their means, the differences of their halves, and those of their diagonals, in which edges nearly
+    /// cancel (the finest wavelet, whose median gives the noise: Donoho & Johnstone 1994, "Ideal spatial adaptation by wavelet shrinkage").
     pub(super) fn new(grey: &GrayImage) -> Legibility {
         let (width, [mut means, mut edges, mut diagonals]) = (grey.width() as usize, [[0u32; 511]; 3]);
         let rows: Vec<&[u8]> = grey.as_raw().chunks_exact(width.max(1)).collect();
@@ -47,7 +47,7 @@ impl Legibility {
         Legibility {
             dark,
             levels: (bright - dark).max(1.0),
-            // The median of a normal variable's magnitude is 0.6745 σ; half the difference of the diagonals has a pixel's σ.
+            // The median magnitude of a normal variable is 0.6745 σ; half the difference of the diagonals has a pixel's σ.
             noise: quantile(&diagonals, 0.5) / 2.0 / 0.6745,
             edge: quantile(&edges, 0.999) / 2.0,
         }
@@ -57,12 +57,12 @@ impl Legibility {
         self.levels < FEW_LEVELS
     }
 
-    /// Whether half the size shows tags better, or as well.
+    /// Returns true if half the size shows tags better, or as well.
     pub(super) fn is_better_halved(&self) -> bool {
         self.noise > MUCH_NOISE * self.levels || self.is_dark() || self.is_dull()
     }
 
-    /// Whether half the size shows all that there is.
+    /// Returns true if half the size loses no detail.
     pub(super) fn is_dull(&self) -> bool {
         self.edge < DULL_EDGE * self.levels
     }
@@ -76,7 +76,7 @@ impl Legibility {
     }
 }
 
-/// The least value that is reached by this share of those counted.
+/// Returns the least value at which the cumulative share of the counts reaches `share`.
 fn quantile(counts: &[u32], share: f64) -> f64 {
     let wanted = share * f64::from(counts.iter().sum::<u32>());
     let mut below = 0.0;

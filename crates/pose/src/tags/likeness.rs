@@ -1,4 +1,4 @@
-//! How much a place of a photo looks like one tag: correlation of its cells with the tag's own.
+//! Similarity of an image region to a tag: correlation of its bit cells with the tag's own.
 
 use image::GrayImage;
 
@@ -8,39 +8,39 @@ use super::{TagHomography, TagImage};
 /// Pixel corners as in [`super::SeenTag`].
 pub(super) type Corners = [[f64; 2]; 4];
 
-/// Samples along each side of a cell: how far from its middle they are, in cells.
+/// Sampling positions along each side of a cell, relative to its centre, in cells.
 const SAMPLES: [f64; 3] = [-0.25, 0.0, 0.25];
 
-/// A tag's cells as they would correlate: +1 white, −1 black.
+/// Bit cells of a tag as values to correlate: +1 white, −1 black.
 pub(super) struct CellPattern {
-    /// Row by row.
+    /// Cells row by row.
     cells: Vec<Cell>,
-    /// Cells along each side.
+    /// Number of cells along each side.
     side: usize,
-    /// The width of a cell, as a share of the outline.
+    /// Width of a cell, as a share of the outline.
     width: f64,
 }
 
-/// One cell: its middle in shares of the outline, and what it should be.
+/// Cell: its centre in shares of the outline, and its expected tone.
 struct Cell {
     u: f64,
     v: f64,
     white: f64,
-    /// It differs between the tags of the family.
+    /// True if the cell differs between the tags of the family.
     is_code: bool,
 }
 
-/// Correlations from −1 to 1 of a place with a tag.
+/// Correlations of an image region with a tag, from −1 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Likeness {
-    /// Of all cells, border and white ring included.
+    /// Correlation over all cells, border and white ring included.
     pub of_all: f64,
-    /// Of those that make the code.
+    /// Correlation over the cells of the code.
     pub of_code: f64,
 }
 
 impl CellPattern {
-    /// The cells of a tag with its white ring.
+    /// Returns the cells of a tag with its white ring.
     pub(super) fn new(tag: &TagImage) -> CellPattern {
         let (modules, border) = (tag.modules(), tag.border_modules());
         let (side, first) = (modules.side(), (modules.side() - border) / 2);
@@ -65,7 +65,7 @@ impl CellPattern {
         }
     }
 
-    /// How much a place looks like the tag, by nine samples of each cell; `None` where it leaves the image or is of one tone.
+    /// Computes the likeness of a region to the tag, by nine samples per cell; `None` if it leaves the image or has one tone.
     pub(super) fn likeness(&self, grey: &GrayImage, corners_px: &Corners) -> Option<Likeness> {
         let homography = TagHomography::to(corners_px);
         let (mut all, mut code) = (Correlation::default(), Correlation::default());
@@ -88,10 +88,10 @@ impl CellPattern {
         })
     }
 
-    /// The place up to so many half cells beside this one that looks most like the tag, with its correlation by the middles of all cells; `None` where every place leaves the
-    /// image or is of one tone.
+    /// Returns the position at most `reach` half cells away that is most similar to the tag, with its correlation by the centres of all cells; `None`
+    /// if every position leaves the image or has one tone.
     ///
-    /// Middles of cells moved by half cells lie on one grid of half cells, which is sampled once.
+    /// Centres of cells moved by half cells lie on one grid of half cells, which is sampled once.
     pub(super) fn most_alike(&self, grey: &GrayImage, corners_px: &Corners, reach: usize) -> Option<(Corners, f64)> {
         let homography = TagHomography::to(corners_px);
         let first = self.cells.first()?;
@@ -110,7 +110,8 @@ impl CellPattern {
         Some((corners.map(|[x, y]| homography.pixel(x + u, y + v)), most))
     }
 
-    /// That of [`Likeness::of_all`], by the middles alone: of the place so many half cells down and right on a grid of levels. `pattern`: the sum of all cells' `white`.
+    /// Computes the correlation of all cells by their centres, at a position half cells down and right on a grid of levels. `pattern`: the sum of all
+    /// cells' `white`.
     fn correlation_on(
         &self,
         levels: &[Option<i64>],
@@ -138,7 +139,7 @@ impl CellPattern {
     }
 }
 
-/// Pearson's correlation of whole numbers, which these sums hold exactly.
+/// Sums for Pearson's correlation of whole numbers, exact in floating point.
 #[derive(Default)]
 struct Correlation {
     count: f64,
@@ -155,7 +156,7 @@ impl Correlation {
         self.product += a * b;
     }
 
-    /// `None` where one side does not vary.
+    /// Returns the correlation; `None` if one variable is constant.
     fn coefficient(&self) -> Option<f64> {
         let [of_a, of_b] = [0, 1].map(|i| self.count * self.squares[i] - self.sums[i] * self.sums[i]);
         let norm = (of_a * of_b).sqrt();

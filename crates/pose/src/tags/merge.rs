@@ -1,4 +1,4 @@
-//! The tags of several searches of one photo as one list: each is fitted once.
+//! Merging of the tags from several searches of one photo; each tag is fitted once.
 
 use super::fit::{self, TagFit};
 use super::search::Found;
@@ -6,19 +6,19 @@ use super::{SeenTag, middle_px, shortest_side_px};
 use scaleproof_core::geometry::distance;
 use scaleproof_photo::photo::Luma;
 
-/// What several searches found.
+/// Tags found by several searches.
 #[derive(Default)]
 pub(super) struct MergedTags {
     fits: Vec<TagFit>,
-    /// Where two searches read different ids.
+    /// Positions where two searches read different ids.
     contradicted: Vec<[f64; 2]>,
 }
 
 impl MergedTags {
-    /// Adds what one more search found.
+    /// Adds the result of one more search.
     ///
-    /// An id seen twice in one place is one tag, and the first search's stays unless its sides were not seen. An id seen in two places is two
-    /// tags, of which no pose uses either. Different ids in one place contradict each other, and no search is believed there.
+    /// The same id twice in one place is one tag, and the first search's is kept unless its sides could not be fitted. The same id in two places is
+    /// two tags, neither of which is used for a pose. Different ids in one place contradict each other, and both are dropped.
     pub(super) fn add(&mut self, found: Vec<Found>, luma: &dyn Luma) {
         for new in found {
             let known = self.here(&new).map(|i| &self.fits[i]);
@@ -45,7 +45,7 @@ impl MergedTags {
         }
     }
 
-    /// Which of the known tags is in a tag's place.
+    /// Returns the index of the known tag at a tag's position.
     fn here(&self, tag: &Found) -> Option<usize> {
         let (place, reach) = (middle_px(&tag.corners_px), half_side(tag));
         let is_here = |known: &TagFit| distance(middle_px(&known.found.corners_px), place) < reach;
@@ -56,7 +56,7 @@ impl MergedTags {
         fit::seen(self.fits.iter())
     }
 
-    /// Only those whose sides were all seen. The corners of the others may be off by more than any pose allows for.
+    /// Returns only the tags whose sides were all fitted. The corners of the others may be off by more than any pose tolerates.
     pub(super) fn fitted(&self) -> Vec<SeenTag> {
         fit::seen(self.fits.iter().filter(|fit| fit.is_fitted()))
     }

@@ -1,4 +1,4 @@
-//! Tag detectors: photo in, tag corners out. And the other way: what a tag or marker looks like.
+//! Tag detection, from photo to tag corners, and the images of tags and markers.
 
 mod appearance;
 mod apriltag_c;
@@ -44,27 +44,27 @@ pub use rivals::*;
 pub use search::{enlarged, least_reduction, library_reduction};
 pub use tag_image::TagImage;
 
-/// One tag found in a photo.
+/// Tag found in a photo.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SeenTag {
-    /// Its number in the family.
+    /// Number of the tag in its family.
     pub id: u32,
-    /// Which code it is of.
+    /// Family of the tag.
     pub family: TagFamily,
     /// Pixel corners (x, y) of the upright tag: top-left, top-right, bottom-right, bottom-left. Pixel (0, 0) is the centre of
     /// the top-left pixel.
     pub corners_px: [[f64; 2]; 4],
-    /// False when part of the tag's border is covered or outside the image: a corner may then be many pixels off.
+    /// True unless part of the tag's border is covered or outside the image: a corner may then be many pixels off.
     pub is_whole: bool,
-    /// False where the corners are those of the library that found the tag, since its sides could not be fitted.
+    /// True unless the corners are those of the library that found the tag, since its sides could not be fitted.
     pub is_fitted: bool,
-    /// How blurred its sides are, from each corner to the next: standard deviations, px. `None` where they were not fitted.
+    /// Blur of its sides, from each corner to the next: standard deviations, px. `None` if they were not fitted.
     #[serde(skip)]
     pub side_blurs_px: Option<[f64; 4]>,
 }
 
 impl SeenTag {
-    /// A tag with its library's corners in this project's order and pixel convention; its border is looked at in the photo.
+    /// Creates a tag with its library's corners in this project's order and pixel convention; tests its border in the photo.
     fn new(family: TagFamily, id: u32, corners_px: [[f64; 2]; 4], grey: &GrayImage) -> SeenTag {
         let is_whole = border::is_whole(grey, &corners_px, family.cells_across());
         SeenTag {
@@ -78,13 +78,13 @@ impl SeenTag {
     }
 }
 
-/// Anything that finds tags in a photo.
+/// Detector that finds tags in a photo.
 pub trait TagDetector {
-    /// Every tag of the detector's families, in any order.
+    /// Returns every tag of the detector's families, in any order.
     fn find(&mut self, luma: &dyn Luma) -> Vec<SeenTag>;
 
-    /// Like [`TagDetector::find`], but asks `missing` what the tags so far leave to find: a detector that could search longer stops where nothing is
-    /// missing, and looks where tags should be.
+    /// Like [`TagDetector::find`], but asks `missing` which tags are left to find: a detector that could search longer stops if nothing is missing,
+    /// and searches at the predicted positions.
     fn find_until(&mut self, luma: &dyn Luma, missing: &mut dyn FnMut(&[SeenTag]) -> StillMissing) -> Vec<SeenTag> {
         let _ = missing;
         self.find(luma)
@@ -102,7 +102,7 @@ impl TagDetector for Box<dyn TagDetector> {
 }
 
 impl TagDetectorChoice {
-    /// A detector for some families. It is not to be shared between threads: each makes its own.
+    /// Creates a detector for some families. Not to be shared between threads: each makes its own.
     ///
     /// # Errors
     /// A family the detector does not read; a library that does not start.
@@ -116,7 +116,7 @@ impl TagDetectorChoice {
         })
     }
 
-    /// A faster search for live images, where there is one. What it finds may be shown; what is kept is found by [`Self::open`].
+    /// Creates a faster detector for live images, if there is one. Its results are for display; results to keep come from [`Self::open`].
     ///
     /// # Errors
     /// As [`Self::open`].
@@ -128,7 +128,7 @@ impl TagDetectorChoice {
         }
     }
 
-    /// Name and version, for a result's provenance.
+    /// Returns name and version, for a result's provenance.
     pub fn provenance(self) -> String {
         match self {
             TagDetectorChoice::Cascade => format!("{self} of {}{}", rivals::libraries(), AprilTagC::PROVENANCE),
@@ -143,12 +143,12 @@ impl TagDetectorChoice {
     }
 }
 
-/// The lengths of the four sides between corners, px: the first from the first corner to the second.
+/// Returns the lengths of the four sides between corners, px: the first from the first corner to the second.
 pub fn sides_px(corners_px: &[[f64; 2]; 4]) -> [f64; 4] {
     std::array::from_fn(|i| distance(corners_px[i], corners_px[(i + 1) % 4]))
 }
 
-/// The mean of a tag's corners, px.
+/// Returns the mean of a tag's corners, px.
 pub fn middle_px(corners_px: &[[f64; 2]; 4]) -> [f64; 2] {
     [0, 1].map(|k| corners_px.iter().map(|px| px[k]).sum::<f64>() / 4.0)
 }

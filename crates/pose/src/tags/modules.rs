@@ -1,4 +1,4 @@
-//! A tag as a square of black and white modules.
+//! Black and white modules of a tag or marker.
 
 /// Square modules, row by row from the top left of the upright tag.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -8,7 +8,7 @@ pub struct Modules {
 }
 
 impl Modules {
-    /// `side` × `side` modules; `is_black` is called for each (row, column).
+    /// Creates `side` × `side` modules; `is_black` is called for each (row, column).
     pub fn new(side: usize, mut is_black: impl FnMut(usize, usize) -> bool) -> Self {
         let places = (0..side).flat_map(|row| (0..side).map(move |column| (row, column)));
         let black = places.map(|(row, column)| is_black(row, column)).collect();
@@ -19,12 +19,12 @@ impl Modules {
         self.side
     }
 
-    /// Whether a module is black; outside the square everything is white.
+    /// Returns true if a module is black; outside the square everything is white.
     pub fn is_black(&self, row: usize, column: usize) -> bool {
         row < self.side && column < self.side && self.black[row * self.side + column]
     }
 
-    /// The square with a frame of `width` more modules around it, all black or all white.
+    /// Returns the square with a frame of `width` more modules around it, all black or all white.
     pub fn framed(&self, width: usize, black: bool) -> Self {
         let inside = width..width + self.side;
         Self::new(self.side + 2 * width, |row, column| {
@@ -36,7 +36,7 @@ impl Modules {
         })
     }
 
-    /// The square without its outer `width` modules.
+    /// Returns the square without its outer `width` modules.
     pub fn cropped(&self, width: usize) -> Self {
         let side = self.side.saturating_sub(2 * width);
         Self::new(side, |row, column| self.is_black(row + width, column + width))

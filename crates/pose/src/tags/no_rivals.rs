@@ -1,25 +1,25 @@
-//! What stands in for [`super::rivals`] in a build without the feature `full`: no tag detectors.
+//! Replacement of [`super::rivals`] in a build without the feature `full`: no tag detectors.
 
 use super::search::{Search, Strength};
 use super::{StartError, TagDetector, TagDetectorChoice};
 use crate::scene::TagFamily;
 
-/// The version of the OpenCV that this program runs with: this build has none.
+/// Returns the version of OpenCV at run time: none in this build.
 pub fn opencv_version() -> Option<String> {
     None
 }
 
-/// Names and versions of the detectors that the cascade uses besides C AprilTag: this build has none.
+/// Returns names and versions of the cascade's detectors besides C AprilTag: none in this build.
 pub(super) fn libraries() -> String {
     String::new()
 }
 
-/// The finders that the cascade uses for their strength: this build has none.
+/// Returns the cascade's finders of this strength: none in this build.
 pub(super) fn finders(_: Strength, _: &[TagFamily]) -> Result<Vec<Box<dyn Search>>, StartError> {
     Ok(Vec::new())
 }
 
-/// Refuses a detector that this build does not have.
+/// Returns an error: this build does not have the detector.
 pub(super) fn open(detector: TagDetectorChoice, _: &[TagFamily]) -> Result<Box<dyn TagDetector>, StartError> {
     Err(StartError::NotBuilt { detector })
 }

@@ -1,4 +1,4 @@
-//! The part of an image in which a tag lies.
+//! Part of an image around a tag.
 
 use image::GrayImage;
 
@@ -6,17 +6,17 @@ use super::sides_px;
 use scaleproof_core::geometry::extent;
 use scaleproof_photo::photo::Luma;
 
-/// Pixels about a tag. Where its own pixel (0, 0) lies in the image is added to all that leaves this room.
+/// Pixels around a tag, with the position of its pixel (0, 0) in the image.
 pub(super) struct Part {
     pub pixels: GrayImage,
     origin: [f64; 2],
 }
 
-/// Beyond what is reached, px: the pixels next to a place between pixels.
+/// Extra margin, px: the neighbouring pixels that interpolation needs.
 const MARGIN_PX: f64 = 2.0;
 
 impl Part {
-    /// The image up to `reach` bit cells and `reach_px` pixels from the corners of a tag that is `cells` of them across; it may be empty.
+    /// Returns the image up to `reach` bit cells and `reach_px` pixels from the corners of a tag that is `cells` of them across; it may be empty.
     pub(super) fn around(
         luma: &dyn Luma,
         corners_px: &[[f64; 2]; 4],
@@ -28,7 +28,7 @@ impl Part {
         let most = luma.size();
         let ends = [0, 1].map(|k| {
             let (low, high) = extent(corners_px.map(|corner| corner[k]));
-            // Numbers that are too large or none become the nearest end or 0.
+            // Numbers that are too large or NaN become the nearest end or 0.
             let start = ((low - margin).floor() as u32).min(most[k]);
             let end = ((high + margin).ceil() as u32).saturating_add(1).min(most[k]);
             (start, end.saturating_sub(start))

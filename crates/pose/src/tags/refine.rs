@@ -1,5 +1,4 @@
-//! Corners to a few hundredths of a pixel: each side's blurred edge is fitted to the full-size image, neighbours are
-//! intersected.
+//! Corner refinement to a few hundredths of a pixel: each side's blurred edge is fitted to the full-size image, neighbours are intersected.
 //!
 //! Blur mixes *light*, not grey levels. In the sRGB encoding of a JPEG the half-way grey level of a blurred edge is 21 % of
 //! the light, so that a detector that looks for it sees the dark square too small, all round. The fit is therefore made in
@@ -11,36 +10,36 @@ use super::edge::{self, BandPixels, Edge, EdgeProfile};
 use super::{TagHomography, shortest_side_px};
 use scaleproof_core::geometry::distance;
 
-/// A segment of this many pixels fixes a line well; longer ones cost time, and bend in a lens with distortion.
+/// Length of a fitted segment, px: enough for a precise line; longer ones cost time, and bend by lens distortion.
 const REACH_PX: f64 = 64.0;
 
-/// Half width of the band of pixels about an edge.
+/// Maximum and minimum half width of the band of pixels about an edge.
 const MAX_BAND_PX: f64 = 6.0;
 const MIN_BAND_PX: f64 = 1.0;
 
-/// The clean space on either side of an edge is one bit cell; the band keeps this share of it, away from the next cell's blur.
+/// Half width of the band in bit cells: the clean space on either side of an edge is one cell, less the next cell's blur.
 const BAND_CELLS: f64 = 0.6;
 
 /// Share of a cell left out at the ends of a side, where the neighbouring side's blur mixes in.
 const END_CELLS: f64 = 0.5;
 
-/// How far from the corners it was given a fit looks, in bit cells and px: they are within half a cell, move by one at most, and the ring
-/// outside them is half a cell wide.
+/// Reach of a fit around the given corners, in bit cells and px: the corners are within half a cell, move by one at most, and the ring outside them
+/// is half a cell wide.
 pub(super) const REACH: (f64, f64) = (2.0, MAX_BAND_PX);
 
-/// A fit that moved a corner by more than this is repeated with the band where the edge is.
+/// Shift of a corner, px, above which the fit is repeated with a band centred on the new edge.
 const CENTRED_PX: f64 = 0.25;
 const MAX_ROUNDS: usize = 3;
 
-/// The first fit, which only says where to look, takes one row of pixels in so many; sides of fewer pixels are looked at whole.
+/// Row step of the coarse first fit, and the side length, px, below which all rows are used.
 const ROUGH_ROWS: usize = 4;
 const ROUGH_PX: f64 = 24.0;
 
-/// A tag's four sides as lines: for each, near its first and near its second corner.
+/// Lines of a tag's four sides: for each, near its first and near its second corner.
 pub(super) struct TagSides([(EdgeLine, EdgeLine); 4]);
 
 impl TagSides {
-    /// Where the sides meet once each is moved outwards, px; `None` when two are almost parallel.
+    /// Intersects the sides after moving each outwards, px; `None` if two are almost parallel.
     pub(super) fn corners(&self, outwards_px: f64) -> Option<[[f64; 2]; 4]> {
         let mut corners = [[0.0; 2]; 4];
         for (i, corner) in corners.iter_mut().enumerate() {
@@ -50,14 +49,14 @@ impl TagSides {
         Some(corners)
     }
 
-    /// How blurred each is: standard deviations, px.
+    /// Returns the blur of each side: standard deviations, px.
     pub(super) fn blurs_px(&self) -> [f64; 4] {
         self.0
             .map(|(first, second)| (first.profile.blur + second.profile.blur) / 2.0)
     }
 }
 
-/// The sides fitted to the image; `None` when one of them cannot be seen well enough.
+/// Fits the sides to the image; `None` if one of them is not visible well enough.
 ///
 /// `corners_px` must be within half a cell. `cells`: width of the outline in bit cells.
 pub(super) fn outline(grey: &GrayImage, corners_px: &[[f64; 2]; 4], cells: f64) -> Option<TagSides> {
@@ -83,12 +82,12 @@ pub(super) fn outline(grey: &GrayImage, corners_px: &[[f64; 2]; 4], cells: f64) 
     }
 }
 
-/// The largest distance between two corners of the same number.
+/// Returns the largest distance between corresponding corners.
 fn furthest(a: &[[f64; 2]; 4], b: &[[f64; 2]; 4]) -> f64 {
     (0..4).map(|i| distance(a[i], b[i])).fold(0.0, f64::max)
 }
 
-/// Fits the four sides once, to one row of pixels across them in `rows`. `guess`: an earlier fit.
+/// Fits the four sides once, to every `rows`-th row of pixels across them. `guess`: an earlier fit.
 fn sides(
     grey: &GrayImage,
     corners: &[[f64; 2]; 4],
@@ -122,7 +121,7 @@ fn sides(
     Some(TagSides([lines_of(0)?, lines_of(1)?, lines_of(2)?, lines_of(3)?]))
 }
 
-/// How wide the bit cells along a side are across it, px: the smaller of its two ends.
+/// Returns the width of the bit cells along a side, measured across it, px: the smaller of its two ends.
 pub(super) fn cell_px(homography: &TagHomography, side: usize, cells: f64) -> f64 {
     let [a, b] = [0.0, 1.0].map(|along| homography.pixel_at(side, along, 0.0));
     let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
@@ -133,20 +132,20 @@ pub(super) fn cell_px(homography: &TagHomography, side: usize, cells: f64) -> f6
     across(a, 0.0).min(across(b, 1.0))
 }
 
-/// How far inwards an edge lies from the line between two points near it, px; `None` when none is seen in the band about it.
+/// Returns the inward offset of an edge from the line between two points near it, px; `None` if no edge is visible in the band about it.
 pub(super) fn edge_offset(grey: &GrayImage, from: [f64; 2], to: [f64; 2], band: f64) -> Option<f64> {
     let segment = EdgeSegment::between(from, to);
     Some(edge::fit(&segment.samples(grey, band, 1)?, band, None)?.offset)
 }
 
-/// How blurred the edge is from one point near it to the other: the standard deviation in px, or infinity where none is seen in the band about
-/// the way between them. `None` when the band leaves the image.
+/// Returns the blur of the edge between two points near it: the standard deviation in px, or infinity if no edge is visible in the band about the
+/// line. `None` if the band leaves the image.
 pub(super) fn edge_blur(grey: &GrayImage, from: [f64; 2], to: [f64; 2], band: f64) -> Option<f64> {
     let samples = EdgeSegment::between(from, to).samples(grey, band, 1)?;
     Some(edge::fit(&samples, band, None).map_or(f64::INFINITY, |edge| edge.profile.blur))
 }
 
-/// A line through a point, px.
+/// Line through a point, px, with the profile of its edge.
 #[derive(Debug, Clone, Copy)]
 struct EdgeLine {
     point: [f64; 2],
@@ -155,7 +154,7 @@ struct EdgeLine {
 }
 
 impl EdgeLine {
-    /// The line moved inwards, px.
+    /// Returns the line moved inwards, px.
     fn moved(&self, inwards: f64) -> EdgeLine {
         let normal = inward_normal(self.direction);
         EdgeLine {
@@ -164,7 +163,7 @@ impl EdgeLine {
         }
     }
 
-    /// Where two lines cross; `None` when they are almost parallel.
+    /// Returns the intersection of two lines; `None` if they are almost parallel.
     fn meets(&self, other: &EdgeLine) -> Option<[f64; 2]> {
         let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
         let sine = cross(self.direction, other.direction);
@@ -175,12 +174,12 @@ impl EdgeLine {
     }
 }
 
-/// The inside of the tag lies to the right of the way from corner to corner: y points down.
+/// Returns the normal towards the inside of the tag, to the right of the direction from corner to corner (y points down).
 fn inward_normal(direction: [f64; 2]) -> [f64; 2] {
     [-direction[1], direction[0]]
 }
 
-/// Part of a side, the first guess of an edge.
+/// Segment of a side: the first guess of an edge.
 struct EdgeSegment {
     middle: [f64; 2],
     direction: [f64; 2],
@@ -210,7 +209,7 @@ impl EdgeSegment {
         })
     }
 
-    /// The pixels of a band about the segment, of one row across it in `rows`; `None` when the band leaves the image.
+    /// Returns the pixels of a band about the segment, of every `rows`-th row across it; `None` if the band leaves the image.
     fn samples(&self, grey: &GrayImage, band: f64, rows: usize) -> Option<BandPixels> {
         let (middle, direction, half) = (self.middle, self.direction, self.half);
         // Walk along the axis the edge is nearer to, and across it over the pixels of the band.

@@ -1,4 +1,4 @@
-//! What a library makes of an image: tags with corners of its own.
+//! Tag search by a library: tags with the library's own corners.
 
 use image::GrayImage;
 
@@ -6,29 +6,29 @@ use super::{SeenTag, TagDetector};
 use crate::scene::TagFamily;
 use scaleproof_photo::photo::Luma;
 
-/// A tag as a library found it, before its sides were fitted and its border was looked at.
+/// Tag as a library found it, before its sides are fitted and its border is tested.
 pub(super) struct Found {
     pub family: TagFamily,
     pub id: u32,
-    /// In this project's order and pixel convention.
+    /// Corners in this project's order and pixel convention.
     pub corners_px: [[f64; 2]; 4],
 }
 
-/// What the cascade uses a library for.
+/// Strength for which the cascade uses a library.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Strength {
     Speed,
-    /// It finds tags in noise and blur that the others miss.
+    /// Finds tags in noise and blur that the others miss.
     Noise,
-    /// It finds small tags that the others miss.
+    /// Finds small tags that the others miss.
     SmallTags,
 }
 
 pub(super) trait Search {
-    /// Every tag of the library's families in an image that the library can search.
+    /// Returns every tag of the library's families in an image that the library can search.
     fn search_all(&mut self, grey: &GrayImage) -> Vec<Found>;
 
-    /// Every tag of the library's families, in any order: none in a tiny image, and a huge one is searched reduced.
+    /// Returns every tag of the library's families, in any order: none in a tiny image; a huge one is searched at reduced size.
     fn search(&mut self, grey: &GrayImage) -> Vec<Found> {
         let factor = library_reduction(grey);
         factor.map_or_else(Vec::new, |factor| {
@@ -37,7 +37,7 @@ pub(super) trait Search {
     }
 }
 
-/// A library's tags with its own corners.
+/// Detector with a library's own corners.
 impl<S: Search> TagDetector for S {
     fn find(&mut self, luma: &dyn Luma) -> Vec<SeenTag> {
         let grey = luma.whole();
@@ -46,22 +46,22 @@ impl<S: Search> TagDetector for S {
     }
 }
 
-/// No tag of any family fits a smaller image: the least has 6 modules across, its white ring 8, and libraries need some 2 px for each. Their
-/// code is not made for such images either: C AprilTag reads beyond an image with a side below 4 px (`fuzz/sanitize.sh raw`).
+/// Minimum side of a searched image, px: the smallest tag has 6 modules across, its white ring 8, and libraries need some 2 px for each. Their code
+/// does not handle smaller images: C AprilTag reads out of bounds in an image with a side below 4 px (`fuzz/sanitize.sh raw`).
 const LEAST_SIDE_PX: u32 = 16;
 
-/// Larger images are searched reduced. A library takes some 0.3 µs and 26 bytes for each pixel of fine texture, and the camera of 200
-/// megapixels shows no smaller tags than one of 33.
+/// Maximum number of searched pixels; larger images are reduced. A library takes some 0.3 µs and 26 bytes for each pixel of fine texture, and a
+/// 200-megapixel camera shows no smaller tags than one of 33.
 const MOST_SEARCHED_PX: u64 = 34_000_000;
 
-/// The whole factor by which an image is reduced before a library searches it; `None` where that leaves too little of it.
+/// Returns the integer factor by which an image is reduced before a library searches it; `None` if too little of it is left.
 pub fn library_reduction(grey: &GrayImage) -> Option<u32> {
     let factor = least_reduction(grey, MOST_SEARCHED_PX);
     (grey.width().min(grey.height()) / factor >= LEAST_SIDE_PX).then_some(factor)
 }
 
-/// The least whole factor by which an image has to be reduced to have at most so many pixels, and sides that fit 16 bits with a sign: C
-/// AprilTag ends the program at longer ones, and OpenCV refuses them.
+/// Returns the smallest integer factor that reduces an image to at most `most_px` pixels, and to sides that fit signed 16 bits: C AprilTag aborts the
+/// program at longer ones, and OpenCV refuses them.
 pub fn least_reduction(grey: &GrayImage, most_px: u64) -> u32 {
     let pixels = u64::from(grey.width()) * u64::from(grey.height());
     let longest = grey.width().max(grey.height());
@@ -69,7 +69,7 @@ pub fn least_reduction(grey: &GrayImage, most_px: u64) -> u32 {
     (1u32..).find(fits).unwrap_or(1)
 }
 
-/// Searches an image reduced by a whole factor; corners are in pixels of the whole image.
+/// Searches an image reduced by an integer factor; corners are in pixels of the whole image.
 pub(super) fn reduced_by(luma: &dyn Luma, factor: u32, mut search: impl FnMut(&GrayImage) -> Vec<Found>) -> Vec<Found> {
     if factor == 1 {
         return search(luma.whole());
@@ -81,7 +81,7 @@ pub(super) fn reduced_by(luma: &dyn Luma, factor: u32, mut search: impl FnMut(&G
     found
 }
 
-/// A place of a reduced image in the whole one: pixel 0 of the reduced image covers pixels 0 to `factor` − 1.
+/// Converts a position in a reduced image to the whole one: pixel 0 of the reduced image covers pixels 0 to `factor` − 1.
 pub fn enlarged(place_px: [f64; 2], factor: u32) -> [f64; 2] {
     place_px.map(|v| (v + 0.5) * f64::from(factor) - 0.5)
 }

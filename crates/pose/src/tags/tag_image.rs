@@ -1,4 +1,4 @@
-//! What an AprilTag looks like, drawn by the C AprilTag library, so that no table of codes is kept twice.
+//! Images of AprilTags, drawn by the C AprilTag library, so that no table of codes is kept twice.
 
 use std::ptr::NonNull;
 
@@ -7,7 +7,7 @@ use apriltag_sys as sys;
 use super::Modules;
 use crate::scene::TagFamily;
 
-/// The image of one tag, with the white around it that a detector needs.
+/// Image of one tag, with the white ring that a detector needs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TagImage {
     modules: Modules,
@@ -15,11 +15,11 @@ pub struct TagImage {
 }
 
 impl TagImage {
-    /// The image of a tag; `None` for an id its family does not have, or when the C library has no memory.
+    /// Draws the image of a tag; `None` for an id its family does not have, or if the C library has no memory.
     pub fn new(family: TagFamily, id: u32) -> Option<TagImage> {
         let c = CFamily::new(family)?;
         let drawn = c.modules(id)?;
-        // All but the classic families have bits outside their border, up to the image's edge; the white ring is ours to add.
+        // All but the classic families have bits outside their border, up to the image's edge; the white ring is added here.
         let ring = usize::from(c.raw().reversed_border);
         Some(TagImage {
             modules: drawn.framed(ring, false),
@@ -27,17 +27,17 @@ impl TagImage {
         })
     }
 
-    /// The tag inside a ring of white modules.
+    /// Returns the tag inside a ring of white modules.
     pub fn modules(&self) -> &Modules {
         &self.modules
     }
 
-    /// Width in modules of the square whose corners a detector gives: a scene's `size_mm`.
+    /// Returns the width in modules of the square whose corners a detector gives: a scene's `size_mm`.
     pub fn border_modules(&self) -> usize {
         self.border
     }
 
-    /// Width of the whole image, white ring included, of a tag of `size_mm`.
+    /// Returns the width of the whole image, white ring included, of a tag of `size_mm`.
     pub fn width_mm(&self, size_mm: f64) -> f64 {
         size_mm * self.modules.side() as f64 / self.border as f64
     }
@@ -46,7 +46,7 @@ impl TagImage {
 type Create = unsafe extern "C" fn() -> *mut sys::apriltag_family_t;
 type Destroy = unsafe extern "C" fn(*mut sys::apriltag_family_t);
 
-/// A family of the C library; the only place of this program that calls the library without the `apriltag` crate.
+/// Family of the C library; the only place that calls the library without the `apriltag` crate.
 struct CFamily {
     family: NonNull<sys::apriltag_family_t>,
     destroy: Destroy,

@@ -1,4 +1,4 @@
-//! Tags → which chart, and where each millimetre of it is in the photo.
+//! Detection of the chart by its tags, and the mapping between chart millimetres and photo pixels.
 
 use nalgebra::Matrix3;
 
@@ -9,10 +9,10 @@ use scaleproof_core::geometry::homography::{self, mapped};
 use scaleproof_core::spelling::list;
 use scaleproof_pose::tags::SeenTag;
 
-/// A sheet is flat when its 20 tag corners are this close (root mean square) to the plane's image. A patch is sampled 2.5 mm
-/// from its edges, so that an error of this size, several times over in the middle of a bulge, still stays inside.
+/// Maximum root mean square distance of the 20 tag corners from the image of a flat sheet, mm. A patch is sampled 2.5 mm from its edges, so an error
+/// of this size, several times over in the middle of a bulge, still stays inside.
 const MOST_OFF_MM: f64 = 0.4;
-/// Fewer pixels than this a side of a patch, and the parts of one could not be distinguished.
+/// Minimum side of a patch, px; below it the parts of a patch cannot be distinguished.
 const LEAST_PATCH_PX: f64 = 20.0;
 
 #[derive(Debug, Clone)]
@@ -21,14 +21,14 @@ pub struct FoundChart {
     /// Homography from the chart frame (mm) to pixels.
     to_px: Matrix3<f64>,
     to_mm: Matrix3<f64>,
-    /// Root mean square distance of the tag corners from where a flat sheet has them.
+    /// Root mean square distance of the tag corners from their places on a flat sheet.
     pub off_mm: f64,
     /// Pixels a side of the smallest patch, along its shorter direction.
     pub patch_px: f64,
 }
 
 impl FoundChart {
-    /// The pixel of a point of the chart; (0, 0) is the centre of the top-left pixel.
+    /// Returns the pixel of a point of the chart; (0, 0) is the centre of the top-left pixel.
     pub fn px(&self, at_mm: [f64; 2]) -> [f64; 2] {
         mapped(&self.to_px, at_mm)
     }
@@ -88,7 +88,7 @@ fn placed(layout: ChartLayout, chart_mm: &[[f64; 2]], image_px: &[[f64; 2]]) -> 
     let squares = pairs.map(|(mm, px)| distance(found.mm(*px), *mm).powi(2));
     found.off_mm = (squares.sum::<f64>() / chart_mm.len() as f64).sqrt();
     found.patch_px = smallest_patch(&found);
-    // False for what is not a number, too.
+    // False for NaN, too.
     let is_flat = found.off_mm <= MOST_OFF_MM;
     if !is_flat {
         return Err(ColourChartError::NotFlat { off_mm: found.off_mm });
@@ -102,7 +102,7 @@ fn placed(layout: ChartLayout, chart_mm: &[[f64; 2]], image_px: &[[f64; 2]]) -> 
     Ok(found)
 }
 
-/// Corner patches are the extremes of a perspective.
+/// Returns the side of the smallest patch, px: perspective makes one of the corner patches the smallest.
 fn smallest_patch(chart: &FoundChart) -> f64 {
     let (width, height) = chart.layout.size_mm;
     let half = CELL_MM / 2.0;

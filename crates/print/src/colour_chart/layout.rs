@@ -1,25 +1,25 @@
-//! Where everything is on a colour chart: one pure function that both the printing and the reading side use.
+//! Layout of the colour charts: one pure function used by both printing and reading.
 //!
 //! Chart frame: origin at the chart's upper left corner, x right, y **down**, millimetres. The chart is a grid of cells; five
 //! tags of two by two cells stand in its corners and its middle. A layout never changes: a new one takes new tag ids.
 
 use scaleproof_pose::scene::TagFamily;
 
-/// Side of a grid cell.
+/// Side of a grid cell, mm.
 pub const CELL_MM: f64 = 11.0;
-/// Side of the printed patch in the middle of its cell; the rest is bare paper.
+/// Side of the printed patch in the middle of its cell, mm; the rest is bare paper.
 pub const PATCH_MM: f64 = 10.0;
 pub const FAMILY: TagFamily = TagFamily::Tag36h11;
-/// Outer edge of a tag's black border: its white ring ends with its two by two cells.
+/// Outer edge of a tag's black border, mm: its white ring ends with its two by two cells.
 pub const TAG_MM: f64 = TAG_CELLS as f64 * CELL_MM * 0.8;
 
 const TAG_CELLS: usize = 2;
-/// One cell in so many is bare paper, the reference for white.
+/// Interval of the cells of bare paper, the reference for white.
 const WHITE_EVERY: usize = 8;
-/// So many blacks beside the one among the colours; they must agree.
+/// Number of black patches beside the one among the colours; they must agree.
 pub const MORE_BLACKS: usize = 3;
 
-/// The charts there are, by their levels per channel of sRGB.
+/// Available charts, by their levels per channel of sRGB.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ChartKind {
     Rgb6,
@@ -28,7 +28,7 @@ pub enum ChartKind {
 }
 
 impl ChartKind {
-    /// All, the largest first.
+    /// All charts, the largest first.
     pub const ALL: [Self; 3] = [Self::Rgb6, Self::Rgb5, Self::Rgb4];
 
     fn row(self) -> (&'static str, &'static [u8], u32, (usize, usize)) {
@@ -39,18 +39,17 @@ impl ChartKind {
         }
     }
 
-    /// The chart's name in captions and files.
+    /// Returns the chart's name in captions and files.
     pub fn name(self) -> &'static str {
         self.row().0
     }
 
-    /// The levels of each channel, evenly from 0 to 255; every combination is a patch.
+    /// Returns the levels of each channel, evenly from 0 to 255; every combination is a patch.
     pub fn levels(self) -> &'static [u8] {
         self.row().1
     }
 
-    /// Ids of its tags: upper left, upper right, lower right, lower left, middle. They are the family's last, which a scene
-    /// hardly uses.
+    /// Returns the ids of its tags: upper left, upper right, lower right, lower left, middle. They are the family's last, which a scene hardly uses.
     pub fn tag_ids(self) -> [u32; 5] {
         [0, 1, 2, 3, 4].map(|i| self.row().2 + i)
     }
@@ -60,7 +59,7 @@ impl ChartKind {
     }
 }
 
-/// One cell of the grid, counted from 0 at the upper left.
+/// Cell of the grid, counted from 0 at the upper left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct ChartCell {
     pub row: usize,
@@ -68,7 +67,7 @@ pub struct ChartCell {
 }
 
 impl ChartCell {
-    /// Its middle (chart frame).
+    /// Returns its middle (chart frame, mm).
     pub fn centre_mm(self) -> [f64; 2] {
         [self.column, self.row].map(|i| (i as f64 + 0.5) * CELL_MM)
     }
@@ -88,7 +87,7 @@ pub struct ChartTag {
 }
 
 impl ChartTag {
-    /// Top-left, top-right, bottom-right, bottom-left of the upright tag (chart frame).
+    /// Returns the corners top-left, top-right, bottom-right, bottom-left of the upright tag (chart frame, mm).
     pub fn corners_mm(&self) -> [[f64; 2]; 4] {
         let ([x, y], h) = (self.centre_mm, TAG_MM / 2.0);
         [[x - h, y - h], [x + h, y - h], [x + h, y + h], [x - h, y + h]]
@@ -102,7 +101,7 @@ pub struct ChartLayout {
     pub tags: Vec<ChartTag>,
     /// Cells of bare paper, spread evenly.
     pub whites: Vec<ChartCell>,
-    /// The cube of colours, a few blacks, and greys between its levels; neighbours are unrelated colours.
+    /// The colours of the cube, a few blacks, and greys between its levels; neighbours are unrelated colours.
     pub patches: Vec<ColourPatch>,
 }
 
@@ -116,7 +115,7 @@ impl ChartLayout {
         let is_in = |cell: &ChartCell, (column, row)| in_block(cell.column, column) && in_block(cell.row, row);
         let is_tag = |cell: &ChartCell| blocks.clone().any(|block| is_in(cell, block));
         let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| ChartCell { row, column }));
-        // Shifted by three from row to row: no row, column or diagonal goes without.
+        // Shifted by three from row to row: every row, column and diagonal has one.
         let is_white = |cell: &ChartCell| (cell.column + 3 * cell.row).is_multiple_of(WHITE_EVERY);
         let (whites, inked): (Vec<_>, Vec<_>) = cells.filter(|cell| !is_tag(cell)).partition(is_white);
         let tag = |(id, (column, row)): (u32, (usize, usize))| ChartTag {
@@ -135,7 +134,7 @@ impl ChartLayout {
     }
 }
 
-/// The cube, then blacks, then greys between the cube's that divide the grey axis nearly evenly, `count` in all.
+/// Returns `count` colours: the cube, then blacks, then greys between the cube's that divide the grey axis nearly evenly.
 fn colours(kind: ChartKind, count: usize) -> Vec<[u8; 3]> {
     let levels = kind.levels();
     let mut all = Vec::new();
@@ -146,23 +145,23 @@ fn colours(kind: ChartKind, count: usize) -> Vec<[u8; 3]> {
     let greys = count.saturating_sub(all.len());
     let grey = |i: usize| {
         let level = (255.0 * (i as f64 + 1.0) / (greys as f64 + 1.0)).round() as u8;
-        // A level of the cube is there already.
+        // The cube has its own levels already.
         if levels.contains(&level) { level - 20 } else { level }
     };
     all.extend((0..greys).map(|i| [grey(i); 3]));
     all
 }
 
-/// Colours in an order that puts unlike ones side by side, so that light which falls off is no trend in colour.
+/// Reorders colours so that neighbours differ, and light fall-off does not correlate with colour.
 fn scattered(colours: Vec<[u8; 3]>) -> Vec<[u8; 3]> {
     let n = colours.len();
-    // The golden section visits a row of any length evenly; without a common divisor it visits all.
+    // A step near the golden section samples a row of any length evenly; a step coprime to the length visits all.
     let start = (0.618 * n as f64) as usize;
     let step = (start..).find(|step| divisor(*step, n) == 1).unwrap_or(1);
     (0..n).map(|i| colours[i * step % n]).collect()
 }
 
-/// Greatest common divisor (Euclid).
+/// Returns the greatest common divisor (Euclid).
 fn divisor(a: usize, b: usize) -> usize {
     if b == 0 { a } else { divisor(b, a % b) }
 }

@@ -1,12 +1,11 @@
-//! The light on the paper: how bright bare paper is at each place of the chart, per channel.
+//! Illumination of the paper: the light of bare paper at each place of the chart, per channel.
 //!
-//! Gain, white balance, fall-off and vignetting are one thing here: the logarithm of the white is a polynomial of the place. The
-//! plane is taken unless the quadratic surface says the whites better that it was not fitted to (leave-one-out, by the hat
-//! matrix: Allen 1974, PRESS).
+//! Gain, white balance, fall-off and vignetting are modelled together: the logarithm of the white is a polynomial of the place. The plane is used
+//! unless the quadratic surface predicts left-out whites better (leave-one-out, by the hat matrix: Allen 1974, PRESS).
 
 use nalgebra::{DMatrix, DVector};
 
-/// The quadratic surface must lower the left-out error to this share of the plane's.
+/// Maximum ratio of the quadratic surface's left-out error to the plane's for it to be used.
 const WORTH: f64 = 0.8;
 
 /// The kind of surface that is fitted to the light.
@@ -26,12 +25,12 @@ pub struct ChartLight {
     pub off: Vec<f64>,
     /// The chart's middle, which is half its size, mm.
     middle: [f64; 2],
-    /// Per channel, in the order of [`terms`].
+    /// Coefficients per channel, in the order of [`terms`].
     coefficients: [Vec<f64>; 3],
 }
 
 impl ChartLight {
-    /// Fits the light to whites: place (mm, chart frame) and light, all positive. `None` with fewer than 8 of them.
+    /// Fits the light to whites: place (mm, chart frame) and light, all positive. `None` for fewer than 8 of them.
     pub fn fit(whites: &[([f64; 2], [f64; 3])], (width_mm, height_mm): (f64, f64)) -> Option<Self> {
         if whites.len() < 8 || whites.iter().any(|(_, light)| light.iter().any(|v| *v <= 0.0)) {
             return None;
@@ -46,7 +45,7 @@ impl ChartLight {
         })
     }
 
-    /// The light of bare paper at a place (mm, chart frame).
+    /// Returns the light of bare paper at a place (mm, chart frame).
     pub fn at(&self, place: [f64; 2]) -> [f64; 3] {
         let terms = terms(self.surface, place, self.middle);
         [0, 1, 2].map(|channel| {
@@ -84,7 +83,7 @@ impl ChartLight {
     }
 }
 
-/// 1, x, y, and of the quadratic surface x², xy, y²; x and y from −1 to 1 over the chart.
+/// Returns the polynomial terms 1, x, y, and for the quadratic surface x², xy, y²; x and y from −1 to 1 over the chart.
 fn terms(surface: Surface, [x, y]: [f64; 2], middle: [f64; 2]) -> Vec<f64> {
     let (x, y) = (x / middle[0] - 1.0, y / middle[1] - 1.0);
     match surface {

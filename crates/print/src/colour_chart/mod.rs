@@ -1,9 +1,8 @@
-//! The colour chart: what is where on it ([`layout`]), and reading it in a photo.
+//! The colour chart: its [`layout`], and reading it in a photo.
 //!
-//! A photo is read in this order: [`find`] the chart by its tags, [`sample`] its patches, take the [`light`] out by the bare
-//! paper between them, and judge what is left ([`read`]). Colours are relative to the paper's white in the photo's light. The
-//! camera's own tone curve and colours stay in them: they could only be fitted to the requested colours, and that would hide
-//! exactly what is measured, the printer.
+//! Steps of reading a photo: [`find`] the chart by its tags, [`sample`] its patches, divide out the [`light`] measured at the bare paper between
+//! them, and check the result ([`read`]). Colours are relative to the paper's white in the photo's light. The camera's own tone curve and colours are
+//! not corrected: they could only be fitted to the requested colours, and that would hide what is measured, the printer.
 
 pub mod find;
 pub mod layout;
@@ -13,7 +12,7 @@ pub mod sample;
 
 use layout::ChartCell;
 
-/// Why a photo of a chart was not read. Each variant says what to do.
+/// Reason why a photo of a chart was not read. Each variant says what to do.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ColourChartError {
     #[error("no colour chart is in the photo; photograph the whole sheet of `scaleproof print chart`, sharply")]
@@ -67,7 +66,7 @@ pub enum ColourChartError {
     OnALine,
 }
 
-/// A cell as people count: `row 3, column 12`, from the upper left.
+/// Formats a cell's position counted from 1: `row 3, column 12`, from the upper left.
 fn place(cell: ChartCell) -> String {
     format!("row {}, column {}", cell.row + 1, cell.column + 1)
 }

@@ -1,4 +1,4 @@
-//! A photo of a chart → the colours that the printer made, or why not.
+//! Measurement of the colours that a printer made, from a photo of a chart; or the reason for refusing the photo.
 
 use image::RgbImage;
 use palette::{LinSrgb, Srgb};
@@ -16,24 +16,24 @@ use scaleproof_surface::pattern::colour::Lab;
 use scaleproof_surface::pattern::light::luminance;
 use scaleproof_surface::pattern::printed::{ChartSource, PrintedColours};
 
-/// The families that a detector for [`read`] must look for.
+/// Families that a detector for [`read`] must look for.
 pub const FAMILIES: [TagFamily; 1] = [FAMILY];
 
-/// More clipped pixels than this, and a cell's light is unknown; less is noise.
+/// Maximum share of clipped pixels; with more a cell's light is unknown, less is noise.
 const MOST_CLIPPED: f64 = 0.02;
-/// The weakest channel of the paper's white, as 8-bit level. Below, blacks are two or three levels of noise.
+/// Minimum of the paper's white in its weakest channel, as 8-bit level. Below, blacks are two or three levels of noise.
 const LEAST_WHITE: f64 = 90.0;
-/// A white further than this from the light's surface lies in a shadow or a reflection.
+/// Maximum deviation of a white from the light's surface; more means a shadow or a reflection.
 const MOST_OFF_LIGHT: f64 = 0.08;
-/// No ink is brighter than the paper; some room for noise and for inks that glow.
+/// Maximum light of a patch relative to the paper: no ink is brighter, with some room for noise and fluorescent inks.
 const MOST_BRIGHT: f64 = 1.06;
-/// Patches that were all asked to be black may differ by this in L*.
+/// Maximum difference in L* between the patches requested black.
 const MOST_BLACK_SPREAD: f64 = 6.0;
-/// ΔE2000 between a part of a patch and the whole of it.
+/// Maximum ΔE2000 between a part of a patch and the whole of it.
 const MOST_PATCHY: f64 = 5.0;
-/// Mean ΔE2000 of a photo's patches from the mean of all photos.
+/// Maximum mean ΔE2000 between a photo's patches and the mean of all photos.
 const MOST_DISAGREEMENT: f64 = 3.0;
-/// A printer with coloured inks makes more than this share of the colours of sRGB; noise on grey makes less.
+/// Minimum share of the colours of sRGB that coloured inks cover; noise on grey covers less.
 const LEAST_GAMUT: f64 = 0.01;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -41,14 +41,14 @@ pub struct ChartReading {
     pub kind: ChartKind,
     /// SHA-256 of the photo's file.
     pub sha256: String,
-    /// Asked 8-bit sRGB, and light relative to the paper's, in the order of the layout.
+    /// Requested 8-bit sRGB, and light relative to the paper's, in the order of the layout.
     pub patches: Vec<([u8; 3], [f64; 3])>,
     pub quality: Quality,
 }
 
 type Sampled = (ChartCell, PatchSample);
 
-/// How good a photo is for reading.
+/// Quality of a photo for reading.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Quality {
     /// Pixels a side of the smallest patch.
@@ -85,7 +85,7 @@ fn read_colours(rgb: &RgbImage, chart: &FoundChart, sha256: &str) -> Result<Char
     refuse_clipped(&whites)?;
     refuse_dark(&whites)?;
     let light = light_on(&whites, chart)?;
-    // A reflection is clipped as well, and exposing less would not help.
+    // Checked first: a reflection is clipped as well, and a lower exposure would not help.
     refuse_reflections(&inked, &light)?;
     refuse_clipped(&inked)?;
     let (patchiness_median, patchiness_worst) = evenness(&inked, &light)?;
@@ -109,7 +109,7 @@ fn read_colours(rgb: &RgbImage, chart: &FoundChart, sha256: &str) -> Result<Char
     })
 }
 
-/// The mean over photos of one print, and each photo's mean ΔE2000 from it.
+/// Returns the mean over photos of one print, and each photo's mean ΔE2000 from it.
 ///
 /// # Errors
 /// Photos of different charts, that disagree, or without colours.
@@ -201,7 +201,7 @@ fn refuse_reflections(inked: &[Sampled], light: &ChartLight) -> Result<(), Colou
     Ok(())
 }
 
-/// Median and worst patchiness.
+/// Returns median and worst patchiness (ΔE2000).
 fn evenness(inked: &[Sampled], light: &ChartLight) -> Result<(f64, f64), ColourChartError> {
     let patchiness = |(cell, sample): &Sampled| {
         let white = light.at(cell.centre_mm());

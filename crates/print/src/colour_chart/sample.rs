@@ -1,4 +1,4 @@
-//! The pixels of one cell, as light.
+//! Sampling of a cell's pixels as light.
 
 use image::RgbImage;
 use palette::Srgb;
@@ -7,18 +7,18 @@ use super::find::FoundChart;
 use super::layout::ChartCell;
 use scaleproof_core::geometry::extent;
 
-/// Side of the square in the middle of a cell whose pixels count: 2.5 mm of the patch around it are left to blur, to lens
-/// distortion and to paper that is not quite flat.
+/// Side of the sampled square in the middle of a cell: 2.5 mm of the patch around it are left for blur, lens distortion and paper that is not quite
+/// flat.
 pub const SAMPLED_MM: f64 = 5.0;
-/// The square is also looked at in so many parts a side.
+/// Number of parts per side into which the square is also divided.
 pub const PARTS: usize = 3;
-/// Levels from here up are at the end of the scale.
+/// Lowest level that counts as clipped.
 const CLIPPED: u8 = 254;
 
-/// What the camera saw of a cell. Light is linear in the primaries of sRGB, 1 is the end of the camera's scale.
+/// Sampled light of a cell, linear in the primaries of sRGB; 1 is the end of the camera's scale.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PatchSample {
-    /// The mean of the middle half of the pixels, channel by channel: a speck or a hair does not count.
+    /// Mean of the middle half of the pixels, channel by channel: a speck or a hair does not count.
     pub light: [f64; 3],
     /// Light of each of the [`PARTS`]² parts of the square, row by row, averaged in the same way.
     pub parts: Vec<[f64; 3]>,
@@ -28,7 +28,7 @@ pub struct PatchSample {
     pub at_zero: f64,
 }
 
-/// Samples a cell. `None` where a part of it lies outside the photo or has no pixel.
+/// Samples a cell. `None` if a part of it lies outside the photo or has no pixel.
 pub fn sample(photo: &RgbImage, chart: &FoundChart, cell: ChartCell) -> Option<PatchSample> {
     let [cx, cy] = cell.centre_mm();
     let h = SAMPLED_MM / 2.0;
@@ -63,14 +63,14 @@ pub fn sample(photo: &RgbImage, chart: &FoundChart, cell: ChartCell) -> Option<P
     })
 }
 
-/// The pixels between the least and the greatest of some places; `None` when they leave the photo.
+/// Returns the pixel range that covers the positions; `None` if it leaves the photo.
 fn span(places: [f64; 4], side: u32) -> Option<std::ops::RangeInclusive<u32>> {
     let (low, high) = extent(places);
     let (low, high) = (low.floor(), high.ceil());
     (low >= 0.0 && high <= f64::from(side) - 1.0).then_some(low as u32..=high as u32)
 }
 
-/// Interquartile mean of each channel, in light.
+/// Returns the interquartile mean of each channel, in light.
 fn middle_mean(pixels: &[[u8; 3]]) -> [f64; 3] {
     [0, 1, 2].map(|channel| {
         let mut levels: Vec<u8> = pixels.iter().map(|pixel| pixel[channel]).collect();
@@ -81,7 +81,7 @@ fn middle_mean(pixels: &[[u8; 3]]) -> [f64; 3] {
     })
 }
 
-/// Light of an 8-bit level (IEC 61966-2-1).
+/// Returns the light of an 8-bit level (IEC 61966-2-1).
 fn linear(level: u8) -> f64 {
     Srgb::new(level, level, level).into_format::<f64>().into_linear().red
 }

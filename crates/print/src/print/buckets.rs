@@ -1,16 +1,16 @@
-//! Things of a plane, found by place.
+//! Spatial index of items in a plane.
 
 use smallvec::SmallVec;
 
 use super::wrap::{Point, corners};
 
-/// The corners of the box around places, grown: lowest, highest.
+/// Returns the corners of the bounding box of points, grown on all sides: lowest, highest.
 pub fn bounds<'a>(points: impl IntoIterator<Item = &'a Point>, grown_mm: f64) -> (Point, Point) {
     let (low, high) = corners(points);
     (low.map(|mm| mm - grown_mm), high.map(|mm| mm + grown_mm))
 }
 
-/// Things found by place: rows and columns of buckets.
+/// Items by position: a grid of buckets.
 pub struct Buckets {
     low: Point,
     step: Point,
@@ -23,7 +23,7 @@ impl Buckets {
     pub fn new(low: Point, high: Point, boxes: impl ExactSizeIterator<Item = (Point, Point)>) -> Self {
         const MOST: f64 = 400.0;
         let size = [0, 1].map(|axis| (high[axis] - low[axis]).max(1e-6));
-        // About one thing a bucket, as if they were squares.
+        // About one item per bucket, with square buckets.
         let step = (size[0] * size[1] / boxes.len().max(1) as f64)
             .sqrt()
             .max(size[0].max(size[1]) / MOST);
@@ -49,7 +49,7 @@ impl Buckets {
         (((p[axis] - self.low[axis]) / self.step[axis]).max(0.0) as usize).min(count - 1)
     }
 
-    /// The buckets of a box, row by row.
+    /// Returns the indices of the buckets that a box touches, row by row.
     fn cells(&self, (from, to): (Point, Point)) -> impl Iterator<Item = usize> + use<> {
         let width = self.columns;
         let (first, last) = (self.index(from, 0), self.index(to, 0));
@@ -57,7 +57,7 @@ impl Buckets {
         rows.flat_map(move |row| (first..=last).map(move |column| row * width + column))
     }
 
-    /// The numbers of all things that may touch a box, rising.
+    /// Returns the indices of all items that may touch a box, ascending.
     pub fn over(&self, corners: (Point, Point)) -> SmallVec<[u32; 16]> {
         let all = self.cells(corners).flat_map(|i| &self.lists[i]);
         let mut found: SmallVec<[u32; 16]> = all.copied().collect();
@@ -66,7 +66,7 @@ impl Buckets {
         found
     }
 
-    /// The numbers of the things near a place; `None` outside of all buckets.
+    /// Returns the indices of the items near a point; `None` outside of all buckets.
     pub fn at(&self, p: Point) -> Option<&[u32]> {
         let high = |axis: usize, count: usize| self.low[axis] + self.step[axis] * count as f64;
         let outside = |axis: usize, count: usize| p[axis] < self.low[axis] || p[axis] > high(axis, count);

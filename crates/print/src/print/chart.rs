@@ -1,4 +1,4 @@
-//! The colour chart on one sheet: what [`crate::colour_chart::layout`] says, drawn.
+//! Drawing of the colour chart ([`crate::colour_chart::layout`]) on one sheet.
 
 use super::SheetError;
 use super::frame::PageFrame;
@@ -10,7 +10,7 @@ use crate::colour_chart::layout::{ChartKind, ChartLayout, FAMILY, PATCH_MM, TAG_
 use scaleproof_plot::lettering::{number, size};
 use scaleproof_pose::tags::TagImage;
 
-/// Why no chart was printed.
+/// Reason why no chart was printed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ChartPrintError {
     #[error(transparent)]
@@ -24,12 +24,12 @@ pub enum ChartPrintError {
 #[derive(Debug, Clone)]
 pub struct PrintedChart {
     pub layout: ChartLayout,
-    /// Where it lies (page frame).
+    /// Area of the chart (page frame).
     pub area: RectMm,
     pub sheet: Sheet,
 }
 
-/// Draws the chart with the most colours that the paper has room for.
+/// Draws the chart with the most colours that fits on the paper.
 pub fn chart(media: Media) -> Result<PrintedChart, ChartPrintError> {
     let (layout, page, area) = placed(media)?;
     // The chart's y runs down, the page's up.

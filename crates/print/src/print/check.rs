@@ -1,4 +1,4 @@
-//! The page that measures a printer: rulers along both axes, boxes, diagonals, and room to write down.
+//! Check page for measuring a printer: rulers along both axes, boxes, diagonals, and room for the measured values.
 
 use super::SheetError;
 use super::frame::PageFrame;
@@ -9,9 +9,9 @@ use super::sheet::{Mark, RectMm, Sheet, TextAnchor};
 use super::template::{making, rulers};
 use scaleproof_plot::lettering::{CAP_HEIGHT, number, size, wrapped};
 
-/// The square with its diagonals.
+/// Side of the square with its diagonals.
 pub const SQUARE_MM: f64 = 100.0;
-/// The box that fits a hand: 10 × 5 cm.
+/// Size of the box that fits a hand: 10 × 5 cm.
 pub const BOX_MM: (f64, f64) = (100.0, 50.0);
 
 const LINE_MM: f64 = 0.15;
@@ -19,14 +19,14 @@ const GAP_MM: f64 = 8.0;
 const TITLE_MM: f64 = 5.0;
 const TEXT_MM: f64 = 2.8;
 const LEADING_MM: f64 = 4.2;
-/// Room for the title and the instructions.
+/// Height of the title and the instructions.
 const HEAD_MM: f64 = 42.0;
-/// Room for the blanks beside the boxes.
+/// Width of the blanks beside the boxes.
 const BLANKS_MM: f64 = 48.0;
 /// Length of the check page of a roll.
 const ROLL_LENGTH_MM: f64 = 260.0;
 
-/// Where the measured things are on the page, in true millimetres (page frame).
+/// Positions of the measured shapes on the page, in true millimetres (page frame).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CheckPlan {
     pub frame: PageFrame,
@@ -34,7 +34,7 @@ pub struct CheckPlan {
     pub long_box: RectMm,
 }
 
-/// Plans the check page, which is upright, so that its x is the printer's. The correction of the media is tried out on it.
+/// Plans the check page, upright, so that its x is the printer's. The media's correction is applied to it as to any sheet.
 pub fn plan(media: &Media) -> Result<CheckPlan, SheetError> {
     let page = match media.paper {
         Stock::Cut(paper) => paper.portrait(),
@@ -81,7 +81,7 @@ pub fn check(media: &Media) -> Result<Vec<Sheet>, SheetError> {
     Ok(vec![printer::corrected_one(sheet, plan.frame.setup.stretch())])
 }
 
-/// A rectangle whose lines have their middles on its edges, and whose corners are closed.
+/// Draws a rectangle whose lines are centred on its edges, with closed corners.
 fn outline(r: RectMm) -> Vec<Mark> {
     let more = 0.5 * LINE_MM;
     let across = |y: f64| Mark::line((r.left_mm - more, y), (r.right_mm + more, y), LINE_MM);
@@ -119,7 +119,7 @@ fn head(plan: &CheckPlan) -> Vec<Mark> {
     marks
 }
 
-/// What was measured goes here, by hand.
+/// Draws the blanks for the measured values.
 fn blanks(plan: &CheckPlan) -> Vec<Mark> {
     let left = plan.square.right_mm + GAP_MM;
     let diagonal = SQUARE_MM * std::f64::consts::SQRT_2;

@@ -1,4 +1,4 @@
-//! A day for the captions, as the user gives it.
+//! Date in the captions, as the user gives it.
 
 use std::fmt;
 use std::str::FromStr;
@@ -15,7 +15,7 @@ pub struct Date {
 impl FromStr for Date {
     type Err = SheetError;
 
-    /// Reads `YYYY-MM-DD` (ISO 8601).
+    /// Parses `YYYY-MM-DD` (ISO 8601).
     fn from_str(text: &str) -> Result<Self, SheetError> {
         parse(text).ok_or_else(|| SheetError::BadDate { text: text.to_owned() })
     }

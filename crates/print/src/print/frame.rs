@@ -1,7 +1,7 @@
-//! The page that carries something measured: what a printer can reach, where the rulers stand, how it must be drawn.
+//! Areas of a page with measured content: the part a printer can reach, the rulers, and the printer's correction.
 //!
-//! Everything is planned in the millimetres that come out on paper. A printer that stretches is answered last, by
-//! [`crate::print::printer::corrected`]; the frame only keeps the room that this takes.
+//! Everything is planned in the millimetres measured on paper. The stretch of a printer is corrected last, by [`crate::print::printer::corrected`];
+//! the frame only reserves the room for it.
 
 use super::paper::{MAX_SIDE_MM, Paper, Stock, roll_page};
 use super::printer::Printer;
@@ -10,44 +10,44 @@ use super::{SheetError, ruler};
 use scaleproof_core::geometry::length;
 use scaleproof_plot::lettering::size;
 
-/// Free strip around the content in which crop marks stand.
+/// Width of the free strip around the content for the crop marks.
 pub const CROP_STRIP_MM: f64 = 5.5;
 /// Height of the captions at the foot of the page.
 pub const FOOTER_MM: f64 = 13.0;
-/// Width of the block at the foot's right end that holds arrows, the sheet's id and the mini-map.
+/// Width of the block at the foot's right end with arrows, the sheet's id and the mini-map.
 pub const KEY_WIDTH_MM: f64 = 18.0;
-/// From the end of the horizontal ruler to the key block: half a label and some air.
+/// Gap between the end of the horizontal ruler and the key block: half a label and some air.
 const RULER_END_MM: f64 = 3.0;
 
-/// What a page needs beside its usable area: (across, down).
+/// Space of a page outside its usable area: (across, down).
 const TAKEN_MM: (f64, f64) = (
     ruler::DEPTH_MM + 2.0 * CROP_STRIP_MM,
     FOOTER_MM + ruler::DEPTH_MM + 2.0 * CROP_STRIP_MM,
 );
-/// The least that a printer must reach, for rulers and captions: (across, down).
+/// Minimum printable size, for rulers and captions: (across, down).
 const LEAST_MM: (f64, f64) = (
     ruler::DEPTH_MM + CROP_STRIP_MM + ruler::LENGTH_MM + RULER_END_MM + KEY_WIDTH_MM,
     TAKEN_MM.1 + ruler::LENGTH_MM,
 );
 
-/// How a page is turned and drawn, whatever its size.
+/// Orientation and printer of a page of any size.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PageSetup {
     /// Border of the paper that the printer cannot reach.
     pub margin_mm: f64,
     pub printer: Printer,
-    /// Whether the paper's short side, or the roll's width, runs along the page's y.
+    /// True if the paper's short side, or the roll's width, runs along the page's y.
     pub turned: bool,
 }
 
 impl PageSetup {
-    /// Drawn length over true length, along the page's x and y.
+    /// Returns drawn length over true length, along the page's x and y.
     pub fn stretch(&self) -> (f64, f64) {
         let (x, y) = self.printer.factors();
         if self.turned { (y, x) } else { (x, y) }
     }
 
-    /// How much of a page's reachable sides can be used, so that neither the drawn nor the printed page goes beyond them.
+    /// Returns the usable share of a page's reachable sides, so that neither the drawn nor the printed page exceeds them.
     fn share(&self) -> (f64, f64) {
         let (x, y) = self.stretch();
         (x.recip().min(1.0), y.recip().min(1.0))
@@ -57,21 +57,21 @@ impl PageSetup {
 /// One page and its areas (page frame).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PageFrame {
-    /// The paper as it is used: portrait or landscape.
+    /// The paper as oriented: portrait or landscape.
     pub page: Paper,
     pub setup: PageSetup,
-    /// The part of the page a printer can reach.
+    /// Part of the page that a printer can reach.
     pub printable: RectMm,
-    /// The part of the page that may carry content; rulers, marks and captions stay outside it.
+    /// Part of the page for content; rulers, marks and captions stay outside it.
     pub usable: RectMm,
-    /// Zero of the ruler along x; its ticks and labels hang below.
+    /// Zero of the ruler along x; its ticks and labels are below.
     pub horizontal_ruler: PointMm,
-    /// Zero of the ruler along y; its ticks and labels stand to the left.
+    /// Zero of the ruler along y; its ticks and labels are to the left.
     pub vertical_ruler: PointMm,
 }
 
 impl PageFrame {
-    /// The areas of a page with this setup.
+    /// Computes the areas of a page with this setup.
     pub fn new(page: Paper, setup: PageSetup) -> Result<Self, SheetError> {
         let margin_mm = length::strip_mm("margin", setup.margin_mm)?;
         let share = setup.share();
@@ -105,7 +105,7 @@ impl PageFrame {
         })
     }
 
-    /// The page itself, or of a roll a piece that is just long enough for a usable area of this length.
+    /// Returns the page itself or, for a roll, a piece just long enough for a usable area of this length.
     pub fn cut_off(self, stock: Stock, usable_mm: f64) -> Result<Self, SheetError> {
         match stock {
             Stock::Cut(_) => Ok(self),
@@ -117,7 +117,7 @@ impl PageFrame {
         RectMm::new(0.0, 0.0, self.page.width_mm, self.page.height_mm)
     }
 
-    /// A rectangle of this size in the middle of the usable area.
+    /// Returns a rectangle of this size in the middle of the usable area.
     pub fn centred(&self, (width_mm, height_mm): (f64, f64)) -> RectMm {
         let left = self.usable.left_mm + (self.usable.width_mm() - width_mm) / 2.0;
         let bottom = self.usable.bottom_mm + (self.usable.height_mm() - height_mm) / 2.0;
@@ -139,7 +139,7 @@ impl PageFrame {
     }
 }
 
-/// A piece of a roll in whole millimetres, just long enough for a usable area of this length.
+/// Returns a piece of a roll in whole millimetres, just long enough for a usable area of this length.
 pub fn cut_from_roll(width_mm: f64, usable_mm: f64, setup: &PageSetup) -> Paper {
     let share = setup.share();
     let (taken, least, share) = if setup.turned {

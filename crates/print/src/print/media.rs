@@ -1,4 +1,4 @@
-//! What is printed on, by what and when.
+//! Paper, printer and date of a print.
 
 use super::SheetError;
 use super::date::Date;
@@ -7,23 +7,23 @@ use super::paper::Stock;
 use super::printer::Printer;
 use super::sheet::RectMm;
 
-/// Border of the paper that office printers do not reach.
+/// Border of the paper that office printers cannot reach.
 pub const MARGIN_MM: f64 = 5.0;
 
-/// What is printed on, by what and when.
+/// Paper, printer and date of a print.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Media {
     pub paper: Stock,
     /// Border of the paper that the printer cannot reach.
     pub margin_mm: f64,
-    /// The measured stretch of the printer, which is corrected.
+    /// Measured stretch of the printer, which is corrected.
     pub printer: Printer,
-    /// Named in the captions when given; there is no clock, so that the same input gives the same bytes.
+    /// Date for the captions, if given; the clock is never read, so that the same input gives the same bytes.
     pub date: Option<Date>,
 }
 
 impl Media {
-    /// A paper with the usual margin, and a printer that nobody has measured.
+    /// Creates media of a paper with the usual margin, and an unmeasured printer.
     pub fn new(paper: impl Into<Stock>) -> Self {
         Self {
             paper: paper.into(),
@@ -33,10 +33,11 @@ impl Media {
         }
     }
 
-    /// Refuses a roll.
+    /// Checks that the paper is a cut sheet, for content that must lie on one.
     ///
     /// # Errors
-    /// A roll, for what must lie on one cut sheet.
+    ///
+    /// A roll.
     pub fn check_is_cut(&self) -> Result<(), SheetError> {
         match self.paper {
             Stock::Cut(_) => Ok(()),
@@ -44,7 +45,7 @@ impl Media {
         }
     }
 
-    /// The setup of a page that is used upright or `turned`.
+    /// Returns the setup of a page that is used upright or `turned`.
     pub fn setup(&self, turned: bool) -> PageSetup {
         PageSetup {
             margin_mm: self.margin_mm,
@@ -53,7 +54,7 @@ impl Media {
         }
     }
 
-    /// The frame of the paper used upright or `turned`. A roll's page is as long as a page can be; [`PageFrame::cut_off`] shortens it.
+    /// Returns the frame of the paper used upright or `turned`. A roll's page is as long as a page can be; [`PageFrame::cut_off`] shortens it.
     ///
     /// # Errors
     /// A margin that is no length, paper too small for the rulers.
@@ -61,8 +62,7 @@ impl Media {
         PageFrame::new(self.paper.page(turned), self.setup(turned))
     }
 
-    /// The frames of the paper used upright and across, as far as the paper allows; never empty. Their usable areas are for the
-    /// content.
+    /// Returns the frames of the paper used upright and across, as far as the paper allows; never empty.
     ///
     /// # Errors
     /// Paper too small for the rulers either way.
@@ -74,8 +74,7 @@ impl Media {
         }
     }
 
-    /// A page on which a thing of some width and height has room with `quiet_mm` around it, and the thing's place in its middle;
-    /// `None` where it has none either way.
+    /// Returns a page with room for a width and height with `quiet_mm` around it, and the centred area; `None` if neither orientation has room.
     ///
     /// # Errors
     /// Paper too small for the rulers.

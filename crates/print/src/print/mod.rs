@@ -1,7 +1,7 @@
-//! Paper: everything that is printed is drawn on [`sheet::Sheet`]s in millimetres, and [`output`] makes files of them by [`pdf`] or [`svg`].
+//! Printing: everything printed is drawn on [`sheet::Sheet`]s in millimetres, and [`output`] writes them to files by [`pdf`] or [`svg`].
 //!
 //! One file or folder per kind of print, each with its request and its error: [`template`], [`paint`], [`wrap`], [`patch`], [`tags`], `board`,
-//! [`chart`], [`check`]. What they share stands beside them: [`page`], [`paper`], [`printer`], `frame`, `ruler`, `shapes`.
+//! [`chart`], [`check`]. Shared parts: [`page`], [`paper`], [`printer`], `frame`, `ruler`, `shapes`.
 
 #[cfg(feature = "full")]
 pub mod board;
@@ -33,7 +33,7 @@ use scaleproof_core::geometry::length::BadLength;
 use scaleproof_core::spelling;
 use scaleproof_plot::pdf::PdfError;
 
-/// Why there is no sheet, whatever would be printed on it.
+/// Reason why there is no sheet, whatever it would show.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SheetError {

@@ -1,4 +1,4 @@
-//! The files that sheets become: one PDF, or an SVG a sheet.
+//! Output files of sheets: one PDF, or one SVG per sheet.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,7 @@ use scaleproof_core::files::{self, FileError};
 pub enum SheetFormat {
     /// One file with all sheets.
     Pdf,
-    /// One file a sheet, named OUTPUT-SHEET.svg.
+    /// One file per sheet, named OUTPUT-SHEET.svg.
     Svg,
 }
 
@@ -27,12 +27,12 @@ pub enum OutputError {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SheetOutput {
     path: PathBuf,
-    /// What the sheets become.
+    /// Format of the files.
     pub format: SheetFormat,
 }
 
 impl SheetOutput {
-    /// An output in the requested format, else in that of its ending. Standard output, pipes and devices take a PDF.
+    /// Creates an output in the requested format, else in that of the path's ending. Standard output, pipes and devices get a PDF.
     pub fn named(path: &Path, format: Option<SheetFormat>) -> Result<Self, OutputError> {
         let format = format.map_or_else(|| format_of(path), Ok)?;
         if format == SheetFormat::Svg && files::is_standard_output(path) {
@@ -42,7 +42,7 @@ impl SheetOutput {
         Ok(Self { path, format })
     }
 
-    /// The files, whole but not written: of a PDF one, of SVG one for each of the names.
+    /// Returns the files' contents, not written yet: one PDF, or one SVG for each of the names.
     ///
     /// # Errors
     /// Only if the PDF cannot be put together.
@@ -80,9 +80,9 @@ fn format_of(path: &Path) -> Result<SheetFormat, OutputError> {
     }
 }
 
-/// `out/t.svg` and sheet `B2` give `out/t-B2.svg`.
+/// Returns the path of a sheet's SVG: `out/t.svg` and sheet `B2` give `out/t-B2.svg`.
 fn svg_path(output: &Path, name: &str) -> PathBuf {
     let stem = output.file_stem().unwrap_or_default().to_string_lossy();
-    // A sheet that the map calls `cards 1` is `cards-1` in a file's name.
+    // The sheet `cards 1` of the map is `cards-1` in a file's name.
     output.with_file_name(format!("{stem}-{}.svg", name.replace(' ', "-")))
 }

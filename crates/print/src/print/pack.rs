@@ -1,4 +1,4 @@
-//! Rectangles on pages: in rows from the top left.
+//! Packing of rectangles on pages, in rows from the top left.
 
 use crate::print::sheet::{PointMm, RectMm};
 
@@ -6,17 +6,17 @@ const GAP_MM: f64 = 4.0;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spot {
-    /// From 0.
+    /// Index of the page, from 0.
     pub page: usize,
-    /// Its lower left corner (page frame).
+    /// Lower left corner of the rectangle (page frame).
     pub at: PointMm,
 }
 
-/// Puts things of some (width, height) into an area: the highest first, each into the first row of any page that has room for it. The
-/// spots come in the order of the things.
+/// Packs rectangles of some (width, height) into an area: the highest first, each into the first row of any page that has room for it. The spots come
+/// in the order of the sizes.
 ///
 /// # Errors
-/// The index of the first thing that is larger than the area.
+/// The index of the first size that is larger than the area.
 pub fn tight(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
     if let Some(i) = sizes
         .iter()
@@ -25,7 +25,7 @@ pub fn tight(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
         return Err(i);
     }
     let mut order: Vec<usize> = (0..sizes.len()).collect();
-    // What differs by rounding only keeps its order.
+    // Heights that differ only by rounding keep their order.
     let high = |i: &usize| (sizes[*i].1 * 100.0).round();
     order.sort_by(|a, b| high(b).total_cmp(&high(a)));
     let mut rows: Vec<PackedRow> = Vec::new();
@@ -50,14 +50,14 @@ pub fn tight(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
 
 struct PackedRow {
     page: usize,
-    /// Where the next thing begins.
+    /// Left edge of the next rectangle.
     x_mm: f64,
     top_mm: f64,
     bottom_mm: f64,
 }
 
 impl PackedRow {
-    /// A new row of some height on the first page that has room below its last row.
+    /// Starts a row of some height on the first page that has room below its last row.
     fn below(rows: &[PackedRow], area: RectMm, height: f64) -> PackedRow {
         let pages = rows.iter().map(|row| row.page + 1).max().unwrap_or(0);
         let top_of = |page: usize| {

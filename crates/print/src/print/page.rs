@@ -1,4 +1,4 @@
-//! A page for things that are not tiled: rulers along two edges, captions at the foot, and a free area between them.
+//! Page for content that is not tiled: rulers along two edges, captions at the foot, and a free area between them.
 
 use super::frame::PageFrame;
 use super::printer::corrected_one;
@@ -12,8 +12,8 @@ const LABEL_MM: f64 = 5.0;
 const LABEL_WIDTH_MM: f64 = 24.0;
 
 impl PageFrame {
-    /// A sheet with some marks, the rulers, captions at the foot (four lines at most) and a label in the corner, drawn so that it
-    /// comes out of the printer in true size; cut out at `trim`.
+    /// Returns a sheet with some marks, the rulers, captions at the foot (four lines at most) and a label in the corner, corrected for the printer;
+    /// cut out at `trim`.
     pub fn labelled(&self, trim: RectMm, mut marks: Vec<Mark>, captions: &[String], label: &str) -> Sheet {
         let [left_mm, bottom_mm, right_mm, _] = self.printable.edges();
         marks.extend(rulers(self));

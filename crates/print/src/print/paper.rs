@@ -5,10 +5,10 @@ use std::str::FromStr;
 use super::SheetError;
 use scaleproof_core::geometry::length::{parse_mm, parse_sides_mm};
 
-/// The longest side a PDF page may have without a user unit: 14 400 pt (ISO 32000-1, annex C.2), rounded down.
+/// Maximum side of a PDF page without a user unit: 14 400 pt (ISO 32000-1, annex C.2), rounded down.
 pub const MAX_SIDE_MM: f64 = 5000.0;
 
-/// A sheet of paper as it is named; which way round it is used is an [`Orientation`].
+/// Nominal size of a sheet of paper; its use as portrait or landscape is an [`Orientation`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Paper {
     /// Width of a sheet.
@@ -27,7 +27,7 @@ impl Paper {
     /// 279.4 × 431.8 mm.
     pub const TABLOID: Self = Self::new(279.4, 431.8);
 
-    /// The sizes that are called by name: ISO 216, ANSI/ASME Y14.1 and US paper.
+    /// Sizes with names: ISO 216, ANSI/ASME Y14.1 and US paper.
     pub const NAMED: [(&str, Self); 10] = [
         ("a0", Self::new(841.0, 1189.0)),
         ("a1", Self::new(594.0, 841.0)),
@@ -41,24 +41,24 @@ impl Paper {
         ("ledger", Self::TABLOID),
     ];
 
-    /// A sheet of this width and height.
+    /// Creates a sheet of this width and height.
     pub const fn new(width_mm: f64, height_mm: f64) -> Self {
         Self { width_mm, height_mm }
     }
 
-    /// The paper turned so that its short side is across.
+    /// Returns the paper with its short side across.
     pub fn portrait(self) -> Self {
         Self::new(self.width_mm.min(self.height_mm), self.width_mm.max(self.height_mm))
     }
 
-    /// The paper turned so that its long side is across.
+    /// Returns the paper with its long side across.
     pub fn landscape(self) -> Self {
         let Self { width_mm, height_mm } = self.portrait();
         Self::new(height_mm, width_mm)
     }
 }
 
-/// A piece of a roll; `turned`, the roll's width is the page's height.
+/// Returns the page of a piece of a roll; if `turned`, the roll's width is the page's height.
 pub fn roll_page(width_mm: f64, length_mm: f64, turned: bool) -> Paper {
     if turned {
         Paper::new(length_mm, width_mm)
@@ -70,7 +70,7 @@ pub fn roll_page(width_mm: f64, length_mm: f64, turned: bool) -> Paper {
 impl FromStr for Paper {
     type Err = SheetError;
 
-    /// A name of [`Paper::NAMED`], or `WIDTHxHEIGHT` in millimetres or with a unit.
+    /// Parses a name of [`Paper::NAMED`], or `WIDTHxHEIGHT` in millimetres or with a unit.
     fn from_str(text: &str) -> Result<Self, SheetError> {
         let text = text.to_ascii_lowercase();
         if let Some((_, paper)) = Self::NAMED.iter().find(|(name, _)| *name == text) {
@@ -83,7 +83,7 @@ impl FromStr for Paper {
     }
 }
 
-/// What lies in the printer.
+/// Paper in the printer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stock {
     /// Cut sheets.
@@ -93,7 +93,7 @@ pub enum Stock {
 }
 
 impl Stock {
-    /// The page, upright or `turned`; of a roll as long as a page can be.
+    /// Returns the page, upright or `turned`; for a roll as long as a page can be.
     pub fn page(self, turned: bool) -> Paper {
         match self {
             Self::Cut(paper) if turned => paper.landscape(),
@@ -112,7 +112,7 @@ impl From<Paper> for Stock {
 impl FromStr for Stock {
     type Err = SheetError;
 
-    /// A [`Paper`], or `roll` and a width in millimetres or with a unit, as in `roll610`.
+    /// Parses a [`Paper`], or `roll` and a width in millimetres or with a unit, as in `roll610`.
     fn from_str(text: &str) -> Result<Self, SheetError> {
         let Some(width) = text.to_ascii_lowercase().strip_prefix("roll").map(str::to_owned) else {
             return Ok(Self::Cut(text.parse()?));
@@ -124,7 +124,7 @@ impl FromStr for Stock {
     }
 }
 
-/// Which way round the paper is used.
+/// Orientation of the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Orientation {
     /// Whichever needs fewer sheets; portrait if both need the same.
@@ -134,7 +134,7 @@ pub enum Orientation {
     Landscape,
 }
 
-/// Reads `WIDTHxHEIGHT` in millimetres or with a unit.
+/// Parses `WIDTHxHEIGHT` in millimetres or with a unit.
 pub fn size_mm(text: &str) -> Result<(f64, f64), SheetError> {
     let sides = parse_sides_mm(&text.to_ascii_lowercase()).map(<(f64, f64)>::from);
     sides.ok_or_else(|| SheetError::UnknownSize { text: text.to_owned() })

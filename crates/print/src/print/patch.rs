@@ -1,4 +1,4 @@
-//! Finished patch textures on the panels of a model: where each goes, and each as a piece to cut out, at true size.
+//! Printing of finished patch textures for the panels of a model: their places, and each as a piece to cut out, at true size.
 
 use std::sync::Arc;
 
@@ -11,15 +11,15 @@ use scaleproof_plot::lettering::number;
 use scaleproof_surface::pattern::picture::{Picture, PictureError};
 use scaleproof_surface::pattern::world_aligned::Side;
 
-/// Up to so many pixels along each side, every pixel is drawn as a rectangle; larger images are embedded whole.
+/// Maximum number of pixels per side up to which every pixel is drawn as a rectangle; larger images are embedded.
 const MAX_RECTANGLES: u32 = 128;
-/// Around a piece on its sheets, for the line it is cut along.
+/// Room around a piece on its sheets for the cutting line.
 const ROOM_MM: f64 = 3.0;
 const EDGE_LINE_MM: f64 = 0.1;
-/// Less than this of a patch off its panel is rounding.
+/// Share of a patch off its panel below which it is rounding.
 const LEAST_SHARE: f64 = 1e-6;
 
-/// Why no patches were printed.
+/// Reason why no patches were printed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PatchError {
     #[error(transparent)]
@@ -46,12 +46,12 @@ pub enum PatchError {
 
 #[derive(Debug, Clone)]
 pub struct PanelPatch {
-    /// How the captions call it: its file name.
+    /// Name in the captions: its file name.
     pub name: String,
-    /// It is printed as it is.
+    /// Image, printed unchanged.
     pub image: Picture,
     pub side: Side,
-    /// Its middle in the panel's plane: (u, v), see [`Side`].
+    /// Centre in the panel's plane: (u, v), see [`Side`].
     pub at_mm: Point,
     pub size_mm: (f64, f64),
 }
@@ -71,7 +71,7 @@ impl PanelPatch {
         }
     }
 
-    /// Every pixel as a rectangle, if they are few. Frame: origin at the top-left corner, y up.
+    /// Returns a stamp with every pixel as a rectangle, if they are few. Frame: origin at the top-left corner, y up.
     fn stamp(&self) -> Option<Arc<Stamp>> {
         let (columns, rows) = self.image.pixels.dimensions();
         if columns > MAX_RECTANGLES || rows > MAX_RECTANGLES {
@@ -79,7 +79,7 @@ impl PanelPatch {
         }
         let (width_mm, height_mm) = self.size_mm;
         let (wide, high) = (width_mm / f64::from(columns), height_mm / f64::from(rows));
-        // Each runs on under its right and its lower neighbour, which cover it: no white hairlines.
+        // Each extends under its right and its lower neighbour, which cover it: no white hairlines.
         let fill = |(column, row, pixel): (u32, u32, &image::Rgb<u8>)| {
             let (left, top) = (f64::from(column) * wide, -f64::from(row) * high);
             Fill {
@@ -98,7 +98,7 @@ impl PanelPatch {
         RectMm::new(u - 0.5 * width, v - 0.5 * height, u + 0.5 * width, v + 0.5 * height)
     }
 
-    /// Size, place and hash, for the caption.
+    /// Returns size, place and hash, for the caption.
     fn fact(&self) -> String {
         let [width, height, u, v] = [self.size_mm.0, self.size_mm.1, self.at_mm[0], self.at_mm[1]].map(number);
         format!(
@@ -116,18 +116,18 @@ impl PanelPatch {
 
 #[derive(Debug, Clone, Default)]
 pub struct Patches {
-    /// For each patch: the sheets with it in its place on its panel's outline, if no patch before had that panel, then the
-    /// patch as a piece. As the printer needs them.
+    /// Sheets for each patch: with it in its place on its panel's outline, unless an earlier patch has shown that panel, then the patch as a piece.
+    /// Corrected for the printer.
     pub pages: Vec<Sheet>,
     pub page_names: Vec<String>,
-    /// What each patch lost beyond its panel's outline: a share of its area.
+    /// Share of each patch's area that lies beyond its panel's outline.
     pub off_panel: Vec<f64>,
 }
 
 /// Draws patches on the panels of a model.
 pub fn patches(panels: &[Panel], patches: &[PanelPatch], request: &WrapRequest) -> Result<Patches, PatchError> {
     check_scale(request.scale)?;
-    // All before the first is drawn: a panel's sheets show every patch on it.
+    // All are checked before the first is drawn: a panel's sheets show every patch on it.
     patches.iter().try_for_each(check)?;
     let mut made = Patches::default();
     let mut shown = Vec::new();
@@ -157,7 +157,7 @@ pub fn patches(panels: &[Panel], patches: &[PanelPatch], request: &WrapRequest) 
     Ok(made)
 }
 
-/// Refuses a patch with a place or size that no patch has.
+/// Returns an error for a patch with an impossible place or size.
 pub fn check(patch: &PanelPatch) -> Result<(), PatchError> {
     for (what, value) in [("width", patch.size_mm.0), ("height", patch.size_mm.1)] {
         if !(1.0..=10_000.0).contains(&value) {
@@ -171,7 +171,7 @@ pub fn check(patch: &PanelPatch) -> Result<(), PatchError> {
 }
 
 impl Patches {
-    /// A region with the patches that lie on it, over as many sheets as it takes.
+    /// Draws a region with the patches on it, over as many sheets as needed.
     fn draw(
         &mut self,
         name: &str,

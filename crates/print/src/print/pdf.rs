@@ -1,4 +1,4 @@
-//! Sheets → PDF, by `printpdf`, in true size. The same sheets give the same bytes: no date, no random ids.
+//! Writing of sheets as PDF, by `printpdf`, in true size. The same sheets give the same bytes: no date, no random ids.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -17,9 +17,8 @@ use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Srgb8, Stamp, TextAnchor,
 use scaleproof_plot::lettering;
 use scaleproof_plot::pdf::{PdfError, bytes_of, font, name};
 
-/// What the pages call the one font of every sheet until [`embed_font`] exchanges it. printpdf encodes the text of its built-in
-/// fonts in WinAnsi, one byte a letter, which is all a Latin-1 font needs; its own embedding would give the glyphs other numbers in
-/// every file.
+/// Placeholder font of every sheet until [`embed_font`] replaces it. printpdf encodes the text of its built-in fonts in WinAnsi, one byte a letter,
+/// which is all a Latin-1 font needs; its own embedding would number the glyphs differently in every file.
 const STAND_IN: BuiltinFont = BuiltinFont::Helvetica;
 
 /// Writes the sheets as the pages of one PDF.
@@ -38,7 +37,7 @@ pub fn write(title: &str, sheets: &[Sheet]) -> Result<Vec<u8>, SheetError> {
         });
     }
     pdf.resources.xobjects.map = stamps.into_objects();
-    // Nothing to optimise: there are no rasters, and compressing comes last.
+    // No image optimisation: pixels must stay unchanged, and compression comes last.
     let options = PdfSaveOptions {
         image_optimization: None,
         ..PdfSaveOptions::default()
@@ -55,7 +54,7 @@ fn blank_page(sheet: &Sheet) -> PdfPage {
     page
 }
 
-/// What printpdf does not write, or writes differently on every run.
+/// Sets the entries that printpdf does not write, or writes differently on every run.
 fn finish(document: &mut Document, title: &str, sheets: &[Sheet]) -> Result<(), lopdf::Error> {
     // ViewerPreferences /PickTrayByPDFSize came with PDF 1.7 (ISO 32000-1, table 150).
     document.version = "1.7".to_owned();
@@ -68,7 +67,7 @@ fn finish(document: &mut Document, title: &str, sheets: &[Sheet]) -> Result<(), 
     embed_font(document);
     let pages: Vec<_> = document.page_iter().collect();
     for (page, sheet) in pages.into_iter().zip(sheets) {
-        // printpdf writes a box as x, y, width, height; a PDF wants two corners.
+        // printpdf writes a box as x, y, width, height; a PDF requires two corners.
         let page = document.get_object_mut(page)?.as_dict_mut()?;
         page.set("TrimBox", corners(sheet.trim));
         page.set("BleedBox", corners(sheet.bleed));
@@ -87,7 +86,7 @@ fn finish(document: &mut Document, title: &str, sheets: &[Sheet]) -> Result<(), 
     Ok(())
 }
 
-/// Exchanges the stand-in for the embedded font, so that a print shop's machine letters it as ours does.
+/// Replaces the placeholder by the embedded font, so that text looks the same on any machine.
 fn embed_font(document: &mut Document) {
     let is_stand_in = |object: &Object| {
         let base_font = object.as_dict().and_then(|dict| dict.get(b"BaseFont"));
@@ -105,7 +104,7 @@ fn corners(area: RectMm) -> Vec<Object> {
     area.edges().map(|mm| Object::Real(points(mm) as f32)).to_vec()
 }
 
-/// The stamps and images met so far; each becomes one XObject however often it is placed.
+/// Stamps and images used so far; each becomes one XObject however often it is placed.
 #[derive(Default)]
 struct Stamps {
     stamps: Vec<Arc<Stamp>>,
@@ -130,7 +129,7 @@ impl Stamps {
     }
 }
 
-/// A lossless image XObject with every pixel as it is: printpdf's own image type goes through its optimiser.
+/// Creates a lossless image XObject with every pixel unchanged: printpdf's own image type goes through its optimiser.
 fn image_object(image: &RgbImage) -> XObject {
     let number = |n: u32| DictItem::Int(i64::from(n));
     let entries = [
@@ -163,7 +162,7 @@ fn external(entries: impl IntoIterator<Item = (&'static str, DictItem)>, content
     })
 }
 
-/// A form XObject. printpdf's own form type cannot carry the required BBox, so this is an "external" stream.
+/// Creates a form XObject. printpdf's own form type cannot carry the required BBox, so this is an "external" stream.
 fn form(stamp: &Stamp) -> XObject {
     let edges = stamp.bounds.edges();
     let bounds = edges.map(|mm| DictItem::Real(points(mm) as f32)).to_vec();
@@ -229,7 +228,7 @@ fn mark_ops(mark: &Mark, stamps: &mut Stamps) -> Vec<Op> {
         }
         Mark::Area { outlines, colour } => vec![fill(*colour), polygon(outlines, PaintMode::Fill)],
         Mark::Cut { .. } => Vec::new(),
-        // A path of nothing would cut nothing off.
+        // An empty path would clip nothing.
         Mark::Clipped { to, .. } if to.is_empty() => Vec::new(),
         Mark::Clipped { to, marks } => {
             let inner = marks.iter().flat_map(|mark| mark_ops(mark, stamps));
@@ -262,7 +261,7 @@ fn mark_ops(mark: &Mark, stamps: &mut Stamps) -> Vec<Op> {
     }
 }
 
-/// Operations whose clip and frame end with them.
+/// Wraps operations so that their clip and transformation end with them.
 fn saved(ops: impl IntoIterator<Item = Op>) -> Vec<Op> {
     let inner = [Op::SaveGraphicsState].into_iter().chain(ops);
     inner.chain([Op::RestoreGraphicsState]).collect()
@@ -305,18 +304,18 @@ fn polygon(outlines: &[Vec<PointMm>], mode: PaintMode) -> Op {
     Op::DrawPolygon { polygon }
 }
 
-/// Millimetres to points, in double precision and to a thousandth of a point (0.35 µm). printpdf's own `Mm` works in single
-/// precision with a factor of seven digits, and shorter numbers make a shorter file.
+/// Converts millimetres to points, in double precision and to a thousandth of a point (0.35 µm). printpdf's own `Mm` works in single precision with a
+/// factor of seven digits, and shorter numbers make a shorter file.
 fn points(mm: f64) -> f64 {
     (mm * 72.0 / 25.4 * 1000.0).round() / 1000.0
 }
 
-/// Millimetres as `printpdf` has them.
+/// Converts millimetres to points as `printpdf` has them.
 pub fn pt(mm: f64) -> Pt {
     Pt(points(mm) as f32)
 }
 
-/// An 8-bit channel as a share of full, with the digits it takes to come back as the same 8 bits.
+/// Converts an 8-bit channel to 0–1, with enough digits to restore the same 8 bits.
 fn unit(channel: u8) -> f64 {
     (f64::from(channel) / 255.0 * 10_000.0).round() / 10_000.0
 }

@@ -1,4 +1,4 @@
-//! Convex polygons of the plane: cut by lines, and measured.
+//! Convex polygons of the plane: clipping by lines, and measuring.
 
 use std::ops::RangeInclusive;
 
@@ -7,10 +7,10 @@ use smallvec::SmallVec;
 use super::wrap::Point;
 use scaleproof_core::geometry::{doubled_area, extent};
 
-/// The corners of a convex polygon: a pixel cut by a triangle and by the borders of a cell rarely has more than eight.
+/// Corners of a convex polygon: a pixel cut by a triangle and by the borders of a cell rarely has more than eight.
 pub type Polygon = SmallVec<[Point; 8]>;
 
-/// An affine function on the plane, as the column of an image on a flat triangle is.
+/// Affine function on the plane, such as the image column on a flat triangle.
 #[derive(Debug, Clone, Copy)]
 pub struct Affine {
     origin: Point,
@@ -21,7 +21,7 @@ pub struct Affine {
 }
 
 impl Affine {
-    /// The function with these values at a triangle's corners; `None` for a triangle without area, and for values beyond all use.
+    /// Returns the function with these values at a triangle's corners; `None` for a triangle without area, and for values out of range.
     pub fn through([a, b, c]: &[Point; 3], values: [f64; 3]) -> Option<Self> {
         let doubled = doubled_area(*a, *b, *c);
         let [along_b, along_c] = [values[1] - values[0], values[2] - values[0]];
@@ -43,7 +43,7 @@ impl Affine {
         self.value + self.slope[0] * (p[0] - self.origin[0]) + self.slope[1] * (p[1] - self.origin[1])
     }
 
-    /// The whole numbers below the values that a polygon on the triangle has.
+    /// Returns the range of the function's values on a polygon in the triangle, rounded down to integers.
     pub fn cells(&self, polygon: &[Point]) -> RangeInclusive<i64> {
         let [low, high] = self.range;
         let cell = |value: f64| value.clamp(low, high).floor() as i64;
@@ -52,7 +52,7 @@ impl Affine {
     }
 }
 
-/// A polygon in parts, one for each of these whole numbers: where the value is from there to the next.
+/// Slices a polygon by the integer part of the value: calls `found` with each integer and the part where the value lies between it and the next.
 pub fn each_slice(polygon: &[Point], value: &Affine, cells: RangeInclusive<i64>, mut found: impl FnMut(i64, &[Point])) {
     let (first, last) = cells.into_inner();
     if first == last {
@@ -75,7 +75,7 @@ pub fn each_slice(polygon: &[Point], value: &Affine, cells: RangeInclusive<i64>,
     found(last, &rest);
 }
 
-/// The part in a triangle.
+/// Clips a polygon to a triangle.
 pub fn within(polygon: &[Point], [a, b, c]: &[Point; 3]) -> Polygon {
     let turn = doubled_area(*a, *b, *c).signum();
     let (mut part, mut less) = (Polygon::from_slice(polygon), Polygon::new());
@@ -86,7 +86,7 @@ pub fn within(polygon: &[Point], [a, b, c]: &[Point; 3]) -> Polygon {
     part
 }
 
-/// The part where an affine function is not negative (Sutherland & Hodgman 1974).
+/// Clips a polygon to the half-plane where an affine function is not negative (Sutherland & Hodgman 1974).
 fn cut(polygon: &[Point], value: impl Fn(&Point) -> f64, part: &mut Polygon) {
     part.clear();
     let Some(mut before) = polygon.last() else { return };

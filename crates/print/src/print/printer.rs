@@ -1,5 +1,5 @@
-//! A printer's own scale: measured once on paper, kept in `printer.toml`, and taken back from every later sheet. The file may
-//! also carry the printer's colours, which no sheet is changed by.
+//! Scale of a printer: measured once on paper, kept in `printer.toml`, and corrected on every later sheet. The file may also contain the printer's
+//! colours, which do not change any sheet.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -13,9 +13,9 @@ use scaleproof_core::geometry::length::shown;
 use scaleproof_plot::lettering::number;
 use scaleproof_surface::pattern::printed::PrintedColours;
 
-/// What the rulers of every sheet measure on a perfect printer.
+/// Nominal length of the rulers of every sheet.
 pub const NOMINAL_MM: f64 = ruler::LENGTH_MM;
-/// A printer that is further off than this share scales on purpose, which its settings must undo.
+/// Maximum relative error of a printer; a larger one is a print setting, to be undone there.
 pub const MOST_OFF: f64 = 0.05;
 
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -32,14 +32,14 @@ pub enum PrinterError {
     Encoding { reason: String },
 }
 
-/// What 100 mm measure on paper. x runs along the short side of cut paper and across a roll, y along the other side.
+/// Measured length of 100 mm on paper. x runs along the short side of cut paper and across a roll, y along the other side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Printer {
     x_mm: f64,
     y_mm: f64,
 }
 
-/// The lengths in the file `printer.toml`. The factors repeat what the lengths say, for people and other programs.
+/// Lengths in the file `printer.toml`. The factors repeat the lengths' content, for people and other programs.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Lengths {
@@ -50,7 +50,7 @@ struct Lengths {
     correction_y: f64,
 }
 
-/// What a printer file says. One that only `colour read` has written has no lengths.
+/// Content of a printer file. A file written only by `colour read` has no lengths.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PrinterFile {
     pub printer: Printer,
@@ -58,13 +58,13 @@ pub struct PrinterFile {
 }
 
 impl Printer {
-    /// A printer that nobody has measured, taken at its word.
+    /// Unmeasured printer, assumed exact.
     pub const EXACT: Self = Self {
         x_mm: NOMINAL_MM,
         y_mm: NOMINAL_MM,
     };
 
-    /// The printer with these measured lengths of the two 100 mm rulers.
+    /// Creates the printer with these measured lengths of the two 100 mm rulers.
     ///
     /// # Errors
     /// A length more than `MOST_OFF` from 100 mm.
@@ -79,7 +79,7 @@ impl Printer {
         Ok(Self { x_mm, y_mm })
     }
 
-    /// The printer behind a page that was already printed with the correction `self` and then measured as `again`.
+    /// Returns the printer whose page was printed with the correction `self` and then measured as `again`.
     ///
     /// # Errors
     /// As for [`Printer::measured`].
@@ -87,13 +87,13 @@ impl Printer {
         Self::measured(self.x_mm * again.x_mm / NOMINAL_MM, self.y_mm * again.y_mm / NOMINAL_MM)
     }
 
-    /// Drawn length over true length, along x and y.
+    /// Returns drawn length over true length, along x and y.
     pub fn factors(&self) -> (f64, f64) {
         (NOMINAL_MM / self.x_mm, NOMINAL_MM / self.y_mm)
     }
 
-    /// The command that belongs on a page whose rulers are to be measured. A corrected page is measured on top of its
-    /// correction, which would otherwise be lost.
+    /// Returns the command for a page whose rulers are to be measured. A corrected page needs its correction in the command, which would otherwise be
+    /// lost.
     pub fn verify_command(&self) -> String {
         let known = if *self == Self::EXACT {
             ""
@@ -103,7 +103,7 @@ impl Printer {
         format!("scaleproof print verify --x-mm … --y-mm …{known} -o printer.toml")
     }
 
-    /// The correction as a clause for the caption of a sheet.
+    /// Returns the correction as a clause for the caption of a sheet.
     pub fn caption(&self) -> String {
         if *self == Self::EXACT {
             return "no printer correction".into();
@@ -160,7 +160,7 @@ impl PrinterFile {
     }
 
     fn parse(text: &str) -> Result<Self, String> {
-        // The message of the parser may have several lines; the sentence has one.
+        // The parser's message may have several lines; the error text has one.
         let plain = |e: toml::de::Error| e.message().replace('\n', " ");
         let mut table: toml::Table = toml::from_str(text).map_err(plain)?;
         let colours: Option<PrintedColours> = table
@@ -171,7 +171,7 @@ impl PrinterFile {
         if let Some(colours) = &colours {
             colours.check().map_err(|e| e.to_string())?;
         }
-        // A file of colours alone says nothing of lengths; then the printer is taken at its word.
+        // A file of colours alone has no lengths; the printer is then assumed exact.
         let printer = if table.is_empty() && colours.is_some() {
             Printer::EXACT
         } else {
@@ -180,7 +180,7 @@ impl PrinterFile {
         Ok(Self { printer, colours })
     }
 
-    /// The content of a `printer.toml`.
+    /// Returns the content of a `printer.toml`.
     ///
     /// # Errors
     /// Only if the encoder fails.
@@ -203,8 +203,8 @@ impl PrinterFile {
     }
 }
 
-/// The sheets as they must be drawn, so that a printer which divides lengths by `stretch` puts them on paper as they are. The
-/// page keeps its size and its centre. Lines keep their width.
+/// Scales sheets so that a printer which divides lengths by `stretch` prints them at true size. The page keeps its size and its centre. Lines keep
+/// their width.
 pub fn corrected(mut sheets: Vec<Sheet>, stretch: (f64, f64)) -> Vec<Sheet> {
     if stretch == (1.0, 1.0) {
         return sheets;
@@ -223,12 +223,12 @@ pub fn corrected(mut sheets: Vec<Sheet>, stretch: (f64, f64)) -> Vec<Sheet> {
     sheets
 }
 
-/// [`corrected`] for one sheet that shares no stamps with others.
+/// Applies [`corrected`] to one sheet that shares no stamps with others.
 pub fn corrected_one(sheet: Sheet, stretch: (f64, f64)) -> Sheet {
     corrected(vec![sheet], stretch).swap_remove(0)
 }
 
-/// A stamp before and after it was stretched.
+/// Stamp before and after scaling.
 type StretchedStamp = (Arc<Stamp>, Arc<Stamp>);
 
 struct PageStretch {
@@ -278,12 +278,12 @@ impl PageStretch {
         }
     }
 
-    /// Each stamp is stretched once, so that the sheets go on sharing it.
+    /// Scales each stamp once, so that the sheets go on sharing it.
     fn stamp(&self, stamp: &Arc<Stamp>, known: &mut Vec<StretchedStamp>) -> Arc<Stamp> {
         if let Some((_, done)) = known.iter().find(|(old, _)| Arc::ptr_eq(old, stamp)) {
             return Arc::clone(done);
         }
-        // A stamp's frame has its own origin, which `at` has moved already.
+        // A stamp's frame has its own origin, already moved by `at`.
         let own = Self {
             factors: self.factors,
             centre: PointMm::new(0.0, 0.0),

@@ -1,5 +1,5 @@
-//! A painted surface as pixels of a page: each pixel is the mean of the colours on its area as light adds them, and the colours of the nearest
-//! place run on over the cut. Where colours lie in cells, each counts by the area it has in the pixel; elsewhere samples are taken.
+//! Rasterisation of a painted surface to pixels of a page: each pixel is the mean linear light over its area, and the colours of the nearest place
+//! extend over the cut. For textures of cells, each cell is weighted by its area in the pixel; other textures are sampled.
 
 use image::{Rgb, RgbImage};
 
@@ -13,51 +13,51 @@ use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::light;
 use scaleproof_surface::texture::{SurfacePoint, Texture};
 
-/// Samples of a pixel, as squares: first few, then many where these differ; of fine textures more, up to the most.
+/// Samples of a pixel, per side: few at first, then many if these differ; up to the maximum for fine textures.
 const SAMPLES: [usize; 2] = [2, 6];
 const MOST_SAMPLES: usize = 12;
-/// Pixels along each side of the blocks that are looked at first: most lie in one triangle and one cell.
+/// Side, in pixels, of the blocks tested first: most lie in one triangle and one cell.
 const BLOCK: u32 = 16;
-/// Of more cells in a pixel, samples are as good.
+/// Maximum number of cells in a pixel that are weighted by area; with more, samples are as good.
 const MOST_CELLS: i64 = 4096;
-/// From a border into the surface beside it, to see its colour.
+/// Distances from a border into the surface beside it, at which its colour is sampled.
 const INTO_MM: [f64; 4] = [0.002, 0.01, 0.05, 0.2];
-/// Share of a pixel: a PDF's numbers are good to 0.35 µm.
+/// Inset of an image's edges, as a share of a pixel: a PDF's numbers have a precision of 0.35 µm.
 const INSET: f64 = 0.01;
 const MM_PER_INCH: f64 = 25.4;
-/// More pixels than this are gigabytes.
+/// Maximum number of pixels; more would take gigabytes.
 const MOST_PIXELS: f64 = 3e8;
-/// Pixels per inch that are worth printing.
+/// Range of accepted resolutions.
 const DPI: std::ops::RangeInclusive<f64> = 36.0..=2400.0;
 
 #[derive(Debug, Clone)]
 pub struct FlatTriangle {
     pub flat_mm: [Point; 3],
-    /// How far out each corner is: of several triangles over a place, the outermost is seen.
+    /// Height of each corner along the outward direction: of several triangles over a place, the outermost is visible.
     pub height_mm: [f64; 3],
-    /// Of the mesh.
+    /// Index of the triangle in the mesh.
     pub triangle: usize,
-    /// The barycentric place of each corner in that triangle.
+    /// Barycentric coordinates of each corner in that triangle.
     pub weights: [[f64; 3]; 3],
 }
 
 impl FlatTriangle {
-    /// Whether nothing lies over or under it.
+    /// Returns true if no other layer lies over or under it.
     fn is_alone(&self) -> bool {
         self.height_mm == [0.0; 3]
     }
 }
 
-/// A turn about the origin, then a move: from a plane to a page.
+/// Rotation about the origin, then a translation: from a plane to a page.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
-    /// Cosine and sine.
+    /// Cosine and sine of the rotation.
     pub turn: [f64; 2],
     pub by: Point,
 }
 
 impl Pose {
-    /// A move without a turn.
+    /// Returns a pure translation.
     pub fn moved(by: Point) -> Self {
         let turn = [1.0, 0.0];
         Self { turn, by }
@@ -75,7 +75,7 @@ impl Pose {
     }
 }
 
-/// The pixels of a page: squares of one size from its top-left corner on.
+/// Pixel grid of a page: squares of one size from its top-left corner on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PixelGrid {
     page_height_mm: f64,
@@ -90,7 +90,7 @@ impl PixelGrid {
         }
     }
 
-    /// The pixels that touch an area: left, top, right, bottom.
+    /// Returns the range of pixels that touch an area: left, top, right, bottom.
     fn around(&self, area: RectMm) -> [i64; 4] {
         let column = |mm: f64| mm / self.pixel_mm;
         let row = |mm: f64| (self.page_height_mm - mm) / self.pixel_mm;
@@ -102,7 +102,7 @@ impl PixelGrid {
         ]
     }
 
-    /// The place of a (fractional) pixel corner.
+    /// Returns the position on the page of a (fractional) pixel corner.
     fn place(&self, column: f64, row: f64) -> Point {
         [column * self.pixel_mm, self.page_height_mm - row * self.pixel_mm]
     }
@@ -116,7 +116,7 @@ pub enum RasterError {
     TooMany { millions: f64 },
 }
 
-/// Refuses a resolution that no printer has, and areas that take too many pixels at it.
+/// Returns an error for a resolution that no printer has, and for areas that need too many pixels.
 pub fn check(dpi: f64, area_mm2: f64) -> Result<(), RasterError> {
     if !DPI.contains(&dpi) {
         return Err(RasterError::Dpi { dpi });
@@ -129,15 +129,15 @@ pub fn check(dpi: f64, area_mm2: f64) -> Result<(), RasterError> {
     }
 }
 
-/// A flat painted surface that can be asked for its colours.
+/// Flat painted surface, prepared for colour queries.
 pub struct FlatPaint<'a> {
     mesh: &'a Mesh,
     texture: &'a Texture,
     triangles: &'a [FlatTriangle],
-    /// Column and row of each triangle's cells; `None` where colours lie in no cells, or layers over each other.
+    /// Column and row of each triangle's cells; `None` for a texture without cells, or overlapping layers.
     cells: Vec<Option<[Affine; 2]>>,
     outline: &'a Region,
-    /// Of each triangle, lowest and highest corner.
+    /// Lowest and highest corner of each triangle.
     boxes: Vec<(Point, Point)>,
     faces: Buckets,
     borders: Buckets,
@@ -145,7 +145,7 @@ pub struct FlatPaint<'a> {
 }
 
 impl<'a> FlatPaint<'a> {
-    /// A surface laid flat as `triangles`, whose common outline is `outline`; colours run on beyond it by `bleed_mm`.
+    /// Creates a surface laid flat as `triangles`, whose common outline is `outline`; colours extend beyond it by `bleed_mm`.
     pub fn new(
         mesh: &'a Mesh,
         texture: &'a Texture,
@@ -178,7 +178,7 @@ impl<'a> FlatPaint<'a> {
         }
     }
 
-    /// The part of the surface, grown by the bleed, that lies within an area of a page; `None` of nothing.
+    /// Returns an image of the part of the surface, grown by the bleed, within an area of a page, and its area; `None` if it is empty.
     pub fn image(&self, pose: &Pose, grid: PixelGrid, bleed_mm: f64, within: RectMm) -> Option<(RgbImage, RectMm)> {
         let (low, high) = self.outline.moved(|p| pose.at(p)).bounds()?;
         let grown = RectMm::new(low[0], low[1], high[0], high[1]).grown(bleed_mm);
@@ -205,13 +205,13 @@ impl<'a> FlatPaint<'a> {
                 }
             }
         }
-        // A little inside, so that no rounding of a renderer at this resolution adds a row.
+        // Slightly inside, so that no renderer's rounding at this resolution adds a row.
         let [left, top] = grid.place(left as f64 + INSET, top as f64 + INSET);
         let [right, bottom] = grid.place(right as f64 - INSET, bottom as f64 - INSET);
         Some((image, RectMm::new(left, bottom, right, top)))
     }
 
-    /// The one colour of the pixels between two corners, where that is quickly seen.
+    /// Returns the single colour of the pixels between two corners, if that is quickly known.
     fn of_block(&self, pose: &Pose, grid: PixelGrid, [from, to]: [Point; 2], last: &mut usize) -> Option<[u8; 3]> {
         let square =
             [from, [to[0], from[1]], to, [from[0], to[1]]].map(|[column, row]| pose.back(grid.place(column, row)));
@@ -219,7 +219,7 @@ impl<'a> FlatPaint<'a> {
         self.one_colour(*last, &square)
     }
 
-    /// The colour of a convex polygon that lies in one triangle, this one, and there in one cell.
+    /// Returns the colour of a convex polygon that lies in triangle `i`, and there in a single cell; else `None`.
     fn one_colour(&self, i: usize, polygon: &[Point]) -> Option<[u8; 3]> {
         let [across, up] = self.cells.get(i).copied()??;
         let flat = &self.triangles[i];
@@ -230,7 +230,7 @@ impl<'a> FlatPaint<'a> {
             .then(|| self.texture.cell(flat.triangle, cells.map(|cells| *cells.start())))
     }
 
-    /// The mean over a pixel, or the colour of the border near it; `None` far beside the surface. `last` is the triangle found last.
+    /// Returns the mean over a pixel, or the colour of the border near it; `None` far beside the surface. `last` is the triangle found last.
     fn pixel(&self, pose: &Pose, grid: PixelGrid, corner: Point, last: &mut usize) -> Option<[u8; 3]> {
         let place = |[across, down]: Point| pose.back(grid.place(corner[0] + across, corner[1] + down));
         let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(place);
@@ -264,7 +264,7 @@ impl<'a> FlatPaint<'a> {
         found
     }
 
-    /// The colours of all cells in a convex polygon by their areas; `None` where some of it is not in cells.
+    /// Returns the colours of all cells in a convex polygon, weighted by area; `None` if part of it is not in cells.
     fn by_area(&self, polygon: &[Point], last: &mut usize) -> Option<Found> {
         let mut found = Found::default();
         let is_in = |t: &FlatTriangle| polygon.iter().all(|p| inside(&t.flat_mm, *p).is_some());
@@ -303,10 +303,10 @@ impl<'a> FlatPaint<'a> {
         Some(())
     }
 
-    /// The outermost surface over a place of the plane.
+    /// Returns the outermost surface over a point of the plane.
     pub fn locate(&self, p: Point, last: &mut usize) -> Option<SurfacePoint> {
         let bucket = self.faces.at(p)?;
-        // Most neighbours lie in the same triangle; where layers lie over each other, the outermost counts.
+        // Most neighbours lie in the same triangle; of overlapping layers the outermost counts.
         if let Some(weights) = self.triangles.get(*last).and_then(|t| inside(&t.flat_mm, p))
             && self.triangles[*last].is_alone()
         {
@@ -318,7 +318,7 @@ impl<'a> FlatPaint<'a> {
             let height: f64 = (0..3).map(|c| weights[c] * flat.height_mm[c]).sum();
             Some((height, *i as usize, weights))
         });
-        // Of equal ones the first.
+        // The first of equal ones.
         let (_, i, weights) = over.reduce(|best, next| if next.0 > best.0 { next } else { best })?;
         *last = i;
         Some(self.surface_point(i, weights))
@@ -333,7 +333,7 @@ impl<'a> FlatPaint<'a> {
         }
     }
 
-    /// The surface at the border nearest to a place beside it.
+    /// Returns the surface at the border nearest to a point beside it.
     fn nearest(&self, p: Point, last: &mut usize) -> Option<SurfacePoint> {
         let near = self.borders.at(p)?.iter().map(|i| self.ends[*i as usize]);
         let foot = |[a, b]: [Point; 2]| {
@@ -352,7 +352,7 @@ impl<'a> FlatPaint<'a> {
         } else {
             left
         };
-        // At a corner, straight on may run along the border; the edge's own inner side is tried, too.
+        // At a corner, this direction may run along the border; the edge's own inner side is tried, too.
         INTO_MM
             .iter()
             .flat_map(|mm| [on, left].map(|d| [foot[0] + mm * d[0], foot[1] + mm * d[1]]))
@@ -360,7 +360,7 @@ impl<'a> FlatPaint<'a> {
     }
 }
 
-/// The first pixels of all blocks of an image.
+/// Returns the first pixels of all blocks of an image.
 fn blocks(wide: u32, high: u32) -> impl Iterator<Item = (u32, u32)> {
     let step = BLOCK as usize;
     (0..high)
@@ -368,7 +368,7 @@ fn blocks(wide: u32, high: u32) -> impl Iterator<Item = (u32, u32)> {
         .flat_map(move |y| (0..wide).step_by(step).map(move |x| (x, y)))
 }
 
-/// Places of the unit square of which no two share a row or a column (Hammersley 1960), so that the share on one side of an edge is met
+/// Returns points of the unit square of which no two share a row or a column (Hammersley 1960), so that the share on one side of an edge is estimated
 /// closely.
 fn spread(count: usize) -> impl Iterator<Item = Point> {
     (0..count as u32).map(move |i| {
@@ -398,7 +398,7 @@ impl Found {
         self.weight += weight;
     }
 
-    /// `None` of nothing.
+    /// Returns the mean colour; `None` without samples.
     fn mean(&self) -> Option<[u8; 3]> {
         let first = self.first?;
         Some(if self.alike {
@@ -414,7 +414,7 @@ thread_local! {
     static LINEAR: [f64; 256] = std::array::from_fn(|v| light::decode(v as f64 / 255.0));
 }
 
-/// The shares of a triangle's corners at a place inside it.
+/// Returns the barycentric coordinates of a point in a triangle; `None` outside.
 fn inside(&[a, b, c]: &[Point; 3], p: Point) -> Option<[f64; 3]> {
     let whole = doubled_area(a, b, c);
     let shares = [[b, c], [c, a], [a, b]].map(|[from, to]| doubled_area(from, to, p) / whole);

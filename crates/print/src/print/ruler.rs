@@ -1,10 +1,10 @@
-//! The 100 mm rulers every page carries: printers stretch one axis without saying so, and a ruler shows it.
+//! 100 mm rulers on every page: printers stretch one axis without notice, and a ruler shows it.
 
 use super::sheet::{Mark, PointMm, TextAnchor};
 use scaleproof_plot::lettering::CAP_HEIGHT;
 
 pub const LENGTH_MM: f64 = 100.0;
-/// Depth of the strip a ruler takes: ticks and labels.
+/// Depth of a ruler's strip with ticks and labels.
 pub const DEPTH_MM: f64 = 8.5;
 
 const LINE_MM: f64 = 0.12;
@@ -12,7 +12,7 @@ const LABEL_MM: f64 = 2.2;
 const LABEL_GAP_MM: f64 = 0.5;
 const LONGEST_TICK_MM: f64 = 4.0;
 
-/// A ruler along x from `origin` to the right; ticks and labels hang below.
+/// Draws a ruler along x from `origin` to the right; ticks and labels are below.
 pub fn horizontal(origin: PointMm) -> Vec<Mark> {
     let (x, y) = (origin.x_mm, origin.y_mm);
     let label_y = y - LONGEST_TICK_MM - LABEL_GAP_MM - CAP_HEIGHT * LABEL_MM;
@@ -22,7 +22,7 @@ pub fn horizontal(origin: PointMm) -> Vec<Mark> {
     marks
 }
 
-/// A ruler along y from `origin` upwards; ticks and labels stand to its left.
+/// Draws a ruler along y from `origin` upwards; ticks and labels are to its left.
 pub fn vertical(origin: PointMm) -> Vec<Mark> {
     let (x, y) = (origin.x_mm, origin.y_mm);
     let label_x = x - LONGEST_TICK_MM - LABEL_GAP_MM;
@@ -35,7 +35,7 @@ pub fn vertical(origin: PointMm) -> Vec<Mark> {
     marks
 }
 
-/// (position along the ruler, tick length) of every millimetre, in mm.
+/// Returns (position along the ruler, tick length) of every millimetre, in mm.
 fn ticks() -> impl Iterator<Item = (f64, f64)> {
     (0..=LENGTH_MM as u32).map(|mm| {
         let length = match mm {
@@ -47,7 +47,7 @@ fn ticks() -> impl Iterator<Item = (f64, f64)> {
     })
 }
 
-/// (position, text): each centimetre, and the unit between the first two.
+/// Returns (position, text): each centimetre, and the unit between the first two.
 fn labels() -> impl Iterator<Item = (f64, String)> {
     let centimetres = (0..=LENGTH_MM as u32)
         .step_by(10)

@@ -1,10 +1,10 @@
-//! Filled outlines on a page: modules of a tag at any angle, strokes, triangles, and cutting them off at an edge.
+//! Filled outlines on a page: modules of a tag at any angle, strokes, triangles, and clipping.
 
 use super::sheet::{PointMm, RectMm, sides};
 use scaleproof_core::geometry::{extent, stretches};
 use scaleproof_pose::tags::{Modules, TagImage};
 
-/// A closed convex outline, counter-clockwise.
+/// Closed convex outline, counter-clockwise.
 pub type OutlineMm = Vec<PointMm>;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,7 +15,7 @@ pub struct TagPlacement {
 }
 
 impl TagPlacement {
-    /// The placement of a tag whose black border has this outer size.
+    /// Creates the placement of a tag whose black border has this outer size.
     pub fn new(image: &TagImage, size_mm: f64, centre: PointMm, right: [f64; 2]) -> Self {
         Self {
             centre,
@@ -24,7 +24,7 @@ impl TagPlacement {
         }
     }
 
-    /// The page's place of a point (x right, y up, mm) from the centre of the square.
+    /// Converts a point relative to the centre of the square (x right, y up, mm) to the page.
     pub fn at(&self, x_mm: f64, y_mm: f64) -> PointMm {
         let [c, s] = self.right;
         PointMm::new(
@@ -33,14 +33,14 @@ impl TagPlacement {
         )
     }
 
-    /// A rectangle of the square's frame (x right, y up, from its centre).
+    /// Returns a rectangle of the square's frame (x right, y up, from its centre) on the page.
     pub fn rectangle(&self, left: f64, bottom: f64, right: f64, top: f64) -> OutlineMm {
         [(left, bottom), (right, bottom), (right, top), (left, top)]
             .map(|(x, y)| self.at(x, y))
             .to_vec()
     }
 
-    /// A triangle on the square's vertical axis that points up, its base `y_mm` above the centre.
+    /// Returns a triangle that points up in the square's frame, its base centred at (`x_mm`, `y_mm`) from the centre.
     pub fn up_mark(&self, x_mm: f64, y_mm: f64, size_mm: f64) -> OutlineMm {
         let half = 0.5 * size_mm;
         vec![
@@ -51,7 +51,7 @@ impl TagPlacement {
     }
 }
 
-/// The black of a square of modules: one outline for each run of black modules in a row.
+/// Returns the black of a square of modules: one outline for each run of black modules in a row.
 pub fn black_modules(modules: &Modules, place: &TagPlacement) -> Vec<OutlineMm> {
     let side = modules.side();
     let edge = |module: usize| (module as f64 - 0.5 * side as f64) * place.module_mm;
@@ -62,7 +62,7 @@ pub fn black_modules(modules: &Modules, place: &TagPlacement) -> Vec<OutlineMm> 
     (0..side).flat_map(in_row).collect()
 }
 
-/// A straight stroke with butt ends.
+/// Returns a straight stroke with butt ends.
 pub fn stroke(from: PointMm, to: PointMm, width_mm: f64) -> OutlineMm {
     let (dx, dy) = (to.x_mm - from.x_mm, to.y_mm - from.y_mm);
     let length = dx.hypot(dy).max(f64::MIN_POSITIVE);
@@ -75,7 +75,7 @@ pub fn stroked(outline: &[PointMm], width_mm: f64) -> Vec<OutlineMm> {
     sides(outline).map(|(a, b)| stroke(*a, *b, width_mm)).collect()
 }
 
-/// The part of a convex outline inside a rectangle, edge by edge (Sutherland & Hodgman 1974); empty if there is none.
+/// Clips a convex outline to a rectangle, edge by edge (Sutherland & Hodgman 1974); empty if nothing is left.
 pub fn clipped(outline: &[PointMm], to: RectMm) -> OutlineMm {
     let rest = cut(outline, |p| p.x_mm - to.left_mm);
     let rest = cut(&rest, |p| to.right_mm - p.x_mm);
@@ -101,9 +101,9 @@ fn cut(outline: &[PointMm], inside_by: impl Fn(&PointMm) -> f64) -> OutlineMm {
     kept
 }
 
-/// Whether two convex outlines share more than a border, by the separating axis theorem.
+/// Returns true if two convex outlines share more than a border, by the separating axis theorem.
 pub fn overlap(a: &[PointMm], b: &[PointMm]) -> bool {
-    /// Shared borders are no overlap, and rounding is no border.
+    /// Tolerance: shared borders are no overlap.
     const TOUCH_MM: f64 = 0.01;
     let edges = |outline: &[PointMm]| -> Vec<(f64, f64)> {
         sides(outline)

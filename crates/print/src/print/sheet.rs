@@ -1,4 +1,4 @@
-//! One printed page in millimetres, free of any file format. [`crate::print::pdf`] writes it.
+//! Printed page in millimetres, independent of file formats. [`crate::print::pdf`] writes it.
 //!
 //! Page frame: origin at the paper's bottom-left corner, x right, y up, millimetres.
 
@@ -31,12 +31,12 @@ impl From<(f64, f64)> for PointMm {
     }
 }
 
-/// The corners of a closed outline, each with the next one.
+/// Returns the corners of a closed outline, each with the next one.
 pub fn sides<T>(outline: &[T]) -> impl Iterator<Item = (&T, &T)> {
     outline.iter().zip(outline.iter().cycle().skip(1))
 }
 
-/// An upright rectangle on the page, given by its edges so that neighbours share an edge exactly.
+/// Upright rectangle on the page, given by its edges so that neighbours share an edge exactly.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RectMm {
     pub left_mm: f64,
@@ -74,7 +74,7 @@ impl RectMm {
         )
     }
 
-    /// The rectangle with `by_mm` more on every side.
+    /// Returns the rectangle with `by_mm` more on every side.
     pub fn grown(self, by_mm: f64) -> Self {
         Self::new(
             self.left_mm - by_mm,
@@ -84,7 +84,7 @@ impl RectMm {
         )
     }
 
-    /// The rectangle moved by (x, y).
+    /// Returns the rectangle moved by (x, y).
     pub fn moved(self, [x, y]: [f64; 2]) -> Self {
         Self::new(self.left_mm + x, self.bottom_mm + y, self.right_mm + x, self.top_mm + y)
     }
@@ -96,12 +96,12 @@ impl RectMm {
             && self.top_mm <= outer.top_mm
     }
 
-    /// The edges: left, bottom, right, top.
+    /// Returns the edges: left, bottom, right, top.
     pub fn edges(&self) -> [f64; 4] {
         [self.left_mm, self.bottom_mm, self.right_mm, self.top_mm]
     }
 
-    /// The middle: (x, y).
+    /// Returns the middle: (x, y).
     pub fn middle(&self) -> (f64, f64) {
         (
             0.5 * (self.left_mm + self.right_mm),
@@ -123,7 +123,7 @@ impl RectMm {
     }
 }
 
-/// Which point of a text its place names; vertically it is always the baseline.
+/// Horizontal anchor of a text; vertically it is always the baseline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TextAnchor {
     Left,
@@ -140,9 +140,9 @@ pub struct Fill {
 /// Fills that are drawn once in the file and placed many times. Its frame: any point as origin, x right, y up, millimetres.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stamp {
-    /// Encloses every fill.
+    /// Bounds of all fills.
     pub bounds: RectMm,
-    /// In painting order: later ones cover earlier ones.
+    /// Fills in painting order: later ones cover earlier ones.
     pub fills: Vec<Fill>,
 }
 
@@ -152,7 +152,7 @@ pub struct Line {
     pub from: PointMm,
     pub to: PointMm,
     pub width_mm: f64,
-    /// (dash, gap); `None` is solid.
+    /// Lengths of dash and gap; `None` is solid.
     pub dash_mm: Option<(f64, f64)>,
     pub colour: Srgb8,
 }
@@ -160,14 +160,14 @@ pub struct Line {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Text {
     pub at: PointMm,
-    /// The em.
+    /// Font size (em).
     pub size_mm: f64,
     pub anchor: TextAnchor,
     pub text: String,
     pub colour: Srgb8,
 }
 
-/// One thing on a page. Marks are painted in order.
+/// Graphic element of a page. Marks are painted in order.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Mark {
     Fill(Fill),
@@ -185,18 +185,18 @@ pub enum Mark {
         at: Vec<PointMm>,
         clip: RectMm,
     },
-    /// Marks of which only what lies inside any of the closed outlines is shown; holes run the other way round.
+    /// Marks clipped to the inside of any of the closed outlines; holes run the other way round.
     Clipped {
         to: Vec<Vec<PointMm>>,
         marks: Vec<Mark>,
     },
-    /// Closed outlines for a cutter, lines of the layer "cut" in SVG; not printed.
+    /// Closed outlines for a cutter, in the layer "cut" in SVG; not printed.
     Cut {
         outlines: Vec<Vec<PointMm>>,
-        /// Whether they are the finished piece, so that the sheet's trim is not cut as well.
+        /// True if they are the finished piece, so that the sheet's trim is not cut as well.
         is_piece: bool,
     },
-    /// An image that fills an area; its pixels are neither mixed nor left out.
+    /// Image that fills an area; its pixels are neither mixed nor left out.
     Image {
         image: Arc<RgbImage>,
         area: RectMm,
@@ -204,7 +204,7 @@ pub enum Mark {
 }
 
 impl Mark {
-    /// A line, solid or of (dash, gap).
+    /// Creates a line, solid or dashed by (dash, gap).
     pub fn stroke<P: Into<PointMm>>(ends: [P; 2], width_mm: f64, dash_mm: Option<(f64, f64)>, colour: Srgb8) -> Self {
         let [from, to] = ends.map(Into::into);
         Self::Line(Line {
@@ -216,12 +216,12 @@ impl Mark {
         })
     }
 
-    /// A solid black line.
+    /// Creates a solid black line.
     pub fn line(from: impl Into<PointMm>, to: impl Into<PointMm>, width_mm: f64) -> Self {
         Self::stroke([from.into(), to.into()], width_mm, None, BLACK)
     }
 
-    /// Solid lines along a closed outline.
+    /// Creates solid lines along a closed outline.
     pub fn outline(outline: &[PointMm], width_mm: f64, colour: Srgb8) -> impl Iterator<Item = Self> {
         sides(outline).map(move |(from, to)| Self::stroke([*from, *to], width_mm, None, colour))
     }
@@ -230,7 +230,7 @@ impl Mark {
         Self::Fill(Fill { area, colour })
     }
 
-    /// A filled area of black.
+    /// Creates a filled area of black.
     pub fn black(outlines: Vec<Vec<PointMm>>) -> Self {
         let colour = BLACK;
         Self::Area { outlines, colour }
@@ -246,7 +246,7 @@ impl Mark {
         })
     }
 
-    /// Black text of this size, or smaller to be no wider than `most_mm`.
+    /// Creates black text of this size, or smaller to be no wider than `most_mm`.
     pub fn fitted(
         at: impl Into<PointMm>,
         (size_mm, most_mm): (f64, f64),
@@ -257,7 +257,7 @@ impl Mark {
         Self::text(at, fitting_size_mm(&text, size_mm, most_mm), anchor, text)
     }
 
-    /// Black text whose capitals have their middle at a place; sized as by [`Mark::fitted`].
+    /// Creates black text whose capitals are centred at a point; sized as by [`Mark::fitted`].
     pub fn centred(at: impl Into<PointMm>, (size_mm, most_mm): (f64, f64), text: impl Into<String>) -> Self {
         let (text, PointMm { x_mm, y_mm }) = (text.into(), at.into());
         let size_mm = fitting_size_mm(&text, size_mm, most_mm);
@@ -269,7 +269,7 @@ impl Mark {
         )
     }
 
-    /// Lines of text from `left_mm` on, each with its baseline by its number; sized as by [`Mark::fitted`].
+    /// Creates lines of text from `left_mm` on, with each line's baseline by its index; sized as by [`Mark::fitted`].
     pub fn lines<'a>(
         lines: impl IntoIterator<Item = &'a str>,
         left_mm: f64,
@@ -280,7 +280,7 @@ impl Mark {
         lines.into_iter().enumerate().map(line).collect()
     }
 
-    /// Marks of which only what lies in a rectangle is shown.
+    /// Clips marks to a rectangle.
     pub fn clipped(to: RectMm, marks: Vec<Self>) -> Self {
         let to = vec![to.outline()];
         Self::Clipped { to, marks }
@@ -291,14 +291,14 @@ impl Mark {
 pub struct Sheet {
     pub width_mm: f64,
     pub height_mm: f64,
-    /// Where the finished piece is cut out.
+    /// Rectangle at which the finished piece is cut out.
     pub trim: RectMm,
-    /// How far the content runs, beyond the cut too; encloses `trim`.
+    /// Extent of the content, beyond the cut too; encloses `trim`.
     pub bleed: RectMm,
     pub marks: Vec<Mark>,
 }
 
-/// The number of a shared thing in a list, which it joins if it is new, and whether it is.
+/// Returns the index of a shared item in a list, to which it is added if it is new, and true if it was.
 pub(super) fn number_of<T>(known: &mut Vec<Arc<T>>, thing: &Arc<T>) -> (usize, bool) {
     let found = known.iter().position(|k| Arc::ptr_eq(k, thing));
     if found.is_none() {

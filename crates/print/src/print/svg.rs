@@ -1,8 +1,7 @@
-//! Sheets → SVG, one file a sheet: what Inkscape opens as a page, and what a cutter's program places as one job.
+//! Writing of sheets as SVG, one file per sheet, which Inkscape opens as a page and a cutter's program as one job.
 //!
-//! A user unit is a millimetre. Whatever is printed is in the layer "print"; the layer "cut" holds the outline of the piece,
-//! and of what is cut out of it, and is hidden, so that it is on paper only where someone wants it. Text stays text, in [`lettering::FAMILY`] where that is
-//! installed and squeezed to the same width where it is not.
+//! A user unit is a millimetre. Printed marks are in the layer "print"; the hidden layer "cut" has the outlines of the piece and of its openings, so
+//! that they are printed only on request. Text stays text, in [`lettering::FAMILY`] if that is installed, else squeezed to the same width.
 
 use std::fmt::Write;
 use std::io::Cursor;
@@ -36,7 +35,7 @@ pub fn write(title: &str, sheet: &Sheet) -> String {
 
 const CUT_LINE: &str = "fill=\"none\" stroke=\"#ff0000\" stroke-width=\"0.1\"";
 
-/// A sheet on its way to SVG, whose y runs down.
+/// SVG of a sheet under construction; its y points down.
 #[derive(Default)]
 struct SvgPage {
     height_mm: f64,
@@ -46,7 +45,7 @@ struct SvgPage {
     definitions: String,
     content: String,
     cuts: String,
-    /// Whether an outline is cut instead of the trim.
+    /// True if an outline is cut instead of the trim.
     cuts_piece: bool,
 }
 
@@ -111,7 +110,7 @@ impl SvgPage {
                 self.content.push_str("</g>\n");
             }
             Mark::Cut { outlines, is_piece } => {
-                // A path an outline, so that a cutter can order them.
+                // One path per outline, so that a cutter can order them.
                 for outline in outlines {
                     let _ = writeln!(self.cuts, "<path d=\"{}\" {CUT_LINE}/>", self.closed(outline));
                 }
@@ -125,7 +124,7 @@ impl SvgPage {
         outlines.iter().map(|outline| self.closed(outline)).collect()
     }
 
-    /// A PNG inside the file, whose pixels stay squares where they are enlarged; it stands there once, however often it is placed.
+    /// Embeds a PNG, whose enlarged pixels stay squares; it is stored once, however often it is placed.
     fn image(&mut self, image: &Arc<RgbImage>, area: RectMm) {
         let (number, is_new) = number_of(&mut self.images, image);
         if is_new {
@@ -133,7 +132,7 @@ impl SvgPage {
             // Encoding into memory cannot fail: the image is not empty and 8-bit RGB.
             let _ = image.write_to(&mut png, ImageFormat::Png);
             let data = BASE64_STANDARD.encode(png.into_inner());
-            // As a square of 1 mm.
+            // Size: a square of 1 mm.
             let _ = writeln!(
                 self.definitions,
                 "<image id=\"image{number}\" width=\"1\" height=\"1\" preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" \
@@ -148,7 +147,7 @@ impl SvgPage {
         );
     }
 
-    /// Opens a group that shows only what lies inside a shape.
+    /// Opens a group that is clipped to a shape.
     fn clip(&mut self, shape: &str) {
         let clip = self.clips;
         self.clips += 1;
@@ -194,13 +193,13 @@ impl SvgPage {
     }
 }
 
-/// The attributes of a rectangle with its top-left corner at (x, y).
+/// Returns the attributes of a rectangle with its top-left corner at (x, y).
 fn rect(x: f64, y: f64, area: RectMm) -> String {
     let [x, y, width, height] = [x, y, area.width_mm(), area.height_mm()].map(length);
     format!("x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"")
 }
 
-/// Millimetres to a tenth of a micrometre, without trailing zeros.
+/// Formats millimetres to a tenth of a micrometre, without trailing zeros.
 pub fn length(mm: f64) -> String {
     let text = format!("{mm:.4}");
     let short = text.trim_end_matches('0').trim_end_matches('.');
@@ -215,7 +214,7 @@ fn hex([r, g, b]: Srgb8) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// Text for XML. Control characters, which no XML may hold, become question marks.
+/// Escapes text for XML. Control characters, which XML does not allow, become question marks.
 pub fn escaped(text: &str) -> String {
     let letter = |c: char| match c {
         '&' => "&amp;".to_owned(),

@@ -1,4 +1,4 @@
-//! The tiled template: a repeated pattern at true size, spread over sheets that are cut, overlapped and glued.
+//! Tiled template: a repeated pattern at true size, on sheets that are cut, overlapped and glued.
 
 pub mod cover;
 pub(super) mod furniture;
@@ -20,20 +20,20 @@ use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::area::averaged;
 use scaleproof_surface::pattern::picture::Picture;
 
-/// Smaller cells than this come out of an office printer as mush (about 5 dots at 600 dpi).
+/// Minimum size of a cell; smaller ones are illegible from an office printer (about 5 dots at 600 dpi).
 pub const MIN_CELL_MM: f64 = 0.2;
 const MM_PER_INCH: f64 = 25.4;
-/// Smaller repeats of a texture are a colour.
+/// Minimum repeat of a texture; a smaller one looks like a single colour.
 const LEAST_REPEAT_MM: f64 = 1.0;
-/// The widest repeat: a full-size car twice over. Beyond it the numbers of a PDF lose their hundredths of a millimetre.
+/// Maximum repeat: twice a full-size car. Beyond it the numbers of a PDF lose their hundredths of a millimetre.
 pub const MAX_TILE_MM: f64 = 10_000.0;
 
-/// A stamp is made of as many repeats as reach this length, so that tiny patterns do not fill the file with placements.
+/// Length up to which a stamp combines repeats, so that tiny patterns do not fill the file with placements.
 const STAMP_MM: f64 = 50.0;
-/// More placements than this fill hundreds of megabytes: 2400 m² of pattern on the largest sheets.
+/// Maximum number of placements; more fill hundreds of megabytes: 2400 m² of pattern on the largest sheets.
 const MOST_PLACEMENTS: f64 = 1e6;
 
-/// Why no template was printed.
+/// Reason why no template was printed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TemplateError {
@@ -65,29 +65,29 @@ pub enum TemplateError {
 pub struct TemplateRequest {
     /// Printed width of one repeat of the pattern; its height follows, cells are square.
     pub tile_mm: f64,
-    /// The model is 1:`scale`; only the captions use it.
+    /// Scale of the model, 1:`scale`; only for the captions.
     pub scale: f64,
-    /// How the captions call the pattern: its file name.
+    /// Name of the pattern in the captions: its file name.
     pub pattern_name: String,
-    /// Which way the model looks on the sheets.
+    /// Edge of the template that points to the model's front.
     pub front: Front,
     /// Size, paper and edges.
     pub layout: LayoutRequest,
 }
 
 impl TemplateRequest {
-    /// The request for a pattern whose repeats are this wide, mm.
+    /// Returns the request for a pattern whose repeats are this wide, mm.
     pub fn tiled(self, tile_mm: f64) -> Self {
         Self { tile_mm, ..self }
     }
 
-    /// The document's title.
+    /// Returns the document's title.
     pub fn title(&self) -> String {
         format!("Template of {}, tile {} mm", self.pattern_name, number(self.tile_mm))
     }
 }
 
-/// Which edge of the template points to the model's front.
+/// Edge of the template that points to the model's front.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Front {
     /// As on the model's left side.
@@ -97,7 +97,7 @@ pub enum Front {
     Right,
     Up,
     Down,
-    /// On the front and the rear, which have none.
+    /// No edge, as on the front and the rear.
     None,
 }
 
@@ -113,20 +113,19 @@ impl Front {
     }
 }
 
-/// A template ready to be written, and how it was spread over the paper.
+/// Drawn template, and its layout on the paper.
 #[derive(Debug, Clone)]
 pub struct Template {
-    /// Which part of the template is on which sheet.
+    /// Part of the template on each sheet.
     pub layout: SheetLayout,
-    /// Width and height of a cell, or of a texture's pixel.
+    /// Width and height of a cell, or of a texture's pixel, mm.
     pub cell_mm: f64,
-    /// How to assemble, with the scale check; then one page per `SheetLayout::sheets`, in the same order. Drawn as the printer
-    /// needs it.
+    /// Assembly instructions with the scale check; then one page per `SheetLayout::sheets`, in the same order. Corrected for the printer.
     pub pages: Vec<Sheet>,
 }
 
 impl Template {
-    /// A name for each page, where it becomes a file of its own.
+    /// Returns a name for each page, used if it becomes a file of its own.
     pub fn page_names(&self) -> Vec<String> {
         let ids = self.layout.sheets.iter().map(SheetPlan::id);
         ["assembly".to_owned()].into_iter().chain(ids).collect()
@@ -144,7 +143,7 @@ pub fn template(pattern: &Pattern, request: &TemplateRequest) -> Result<Template
     drawn(&stamp, &Captions::new(pattern, request, cell_mm), cell_mm, request)
 }
 
-/// Draws the sheets of a texture without cells: an image, repeated, of no more than `dpi` pixels per inch.
+/// Draws the sheets of a texture without cells: a repeated image of at most `dpi` pixels per inch.
 pub fn texture_template(texture: &Picture, dpi: f64, request: &TemplateRequest) -> Result<Template, TemplateError> {
     let tile_mm = check_tile(request)?;
     if !(36.0..=2400.0).contains(&dpi) {
@@ -164,7 +163,7 @@ pub fn texture_template(texture: &Picture, dpi: f64, request: &TemplateRequest) 
     drawn(&stamp, &captions, pixel_mm, request)
 }
 
-/// One repeat, of this width and height, in pixels that are the mean light of their areas; an image that has fewer stays as it is.
+/// Resamples one repeat of this width and height to pixels of the mean light of their areas; an image with fewer pixels is unchanged.
 fn resampled(texture: &Picture, (width_mm, height_mm): (f64, f64), dpi: f64) -> Arc<RgbImage> {
     let (width, height) = texture.pixels.dimensions();
     let most = |mm: f64| (mm / MM_PER_INCH * dpi).round().max(1.0);
@@ -195,7 +194,7 @@ fn drawn(
     Ok(Template { layout, cell_mm, pages })
 }
 
-/// Width and height of a printed cell of the pattern.
+/// Returns width and height of a printed cell of the pattern.
 pub fn cell_mm(pattern: &Pattern, request: &TemplateRequest) -> Result<f64, TemplateError> {
     let cell_mm = check_tile(request)? / f64::from(pattern.columns());
     if cell_mm < MIN_CELL_MM {
@@ -213,7 +212,7 @@ fn check_tile(request: &TemplateRequest) -> Result<f64, TemplateError> {
     Ok(tile_mm)
 }
 
-/// Refuses a model of 1:0, 1:NaN or 1:1e308, which the captions would name.
+/// Returns an error for a scale such as 1:0, 1:NaN or 1:1e308, which the captions would show.
 pub fn check_scale(scale: f64) -> Result<(), TemplateError> {
     // False for NaN too.
     if SCALES.contains(&scale) {
@@ -223,7 +222,7 @@ pub fn check_scale(scale: f64) -> Result<(), TemplateError> {
     }
 }
 
-/// A block of whole repeats that is drawn once in the file. Frame: origin at the block's top-left corner, y up.
+/// Block of whole repeats that is drawn once in the file. Frame: origin at the block's top-left corner, y up.
 pub(super) struct PatternStamp {
     block: Block,
     width_mm: f64,
@@ -232,7 +231,7 @@ pub(super) struct PatternStamp {
 
 enum Block {
     Cells(Arc<Stamp>),
-    /// Its width and height in mm are a little more than the block's: it runs on into the next repeat.
+    /// Image with its width and height in mm, slightly larger than the block's: it extends into the next repeat.
     Image(Arc<RgbImage>, (f64, f64)),
 }
 
@@ -279,7 +278,7 @@ impl PatternStamp {
         }
     }
 
-    /// Refuses sheets on which the block would be placed more often than a file can hold.
+    /// Returns an error if the sheets need more placements of the block than a file can hold.
     pub(super) fn check_placements<'a>(
         &self,
         sheets: impl IntoIterator<Item = &'a SheetPlan>,
@@ -296,7 +295,7 @@ impl PatternStamp {
         Ok(())
     }
 
-    /// The part of the repeated pattern that a sheet carries; a top-left cell begins at `start_mm` of the template frame.
+    /// Returns the part of the repeated pattern on a sheet; a top-left cell begins at `start_mm` of the template frame.
     pub(super) fn on(&self, plan: &SheetPlan, start_mm: (f64, f64)) -> Mark {
         let (carried, printed) = (plan.carried, plan.printed);
         let (start_x, start_y) = start_mm;
@@ -326,27 +325,27 @@ impl PatternStamp {
     }
 }
 
-/// How many repeats of length `repeat_mm` a stamp has, but no more than the template needs.
+/// Returns the number of repeats of length `repeat_mm` in a stamp, at most what the template needs.
 fn repeats(repeat_mm: f64, size_mm: f64) -> u32 {
     (STAMP_MM.min(size_mm) / repeat_mm).ceil().max(1.0) as u32
 }
 
-/// The blocks of length `block_mm` that reach into a stretch of the template; those before its edge have negative numbers.
+/// Returns the indices of the blocks of length `block_mm` that overlap an interval of the template; those before its edge are negative.
 fn blocks(from_mm: f64, to_mm: f64, block_mm: f64) -> std::ops::Range<i32> {
     (from_mm / block_mm).floor() as i32..(to_mm / block_mm).ceil() as i32
 }
 
-/// A cell that runs on a little to its right and below. Later cells and blocks cover what is not the cell's own, and the
-/// sheet's clip cuts the rest, so every edge is where it belongs; but where a viewer softens an edge, it is the neighbour's
-/// colour that shines through and not the paper's: no white hairlines.
+/// Returns the area of a cell, extended slightly to its right and below. Later cells and blocks cover the excess, and the sheet's clip cuts the rest,
+/// so every edge is in its place; but if a viewer antialiases an edge, the neighbour's colour shines through instead of the paper's: no white
+/// hairlines.
 fn cell_area(row: u32, column: u32, cell_mm: f64) -> RectMm {
     let (x, y) = (f64::from(column) * cell_mm, f64::from(row) * -cell_mm);
     let side = cell_mm + run_on_mm(cell_mm);
     RectMm::new(x, y - side, x + side, y)
 }
 
-/// At least a pixel of any screen, but no more of the neighbour than that takes: where a sheet's clip cuts through covered
-/// colours, a viewer mixes them all into the pixel of the cut.
+/// Returns the extension of a cell: at least a pixel of any screen, but no more than needed: where a sheet's clip cuts through covered colours, a
+/// viewer mixes them all into the pixel of the cut.
 fn run_on_mm(cell_mm: f64) -> f64 {
     (0.25 * cell_mm).max(cell_mm.min(0.5))
 }

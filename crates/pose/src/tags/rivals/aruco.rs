@@ -22,7 +22,7 @@ impl Search for ArucoOpenCv {
     fn search_all(&mut self, grey: &GrayImage) -> Vec<Found> {
         let mut found = Vec::new();
         for (family, search) in &self.0 {
-            // An exception of OpenCV is an image it finds nothing in.
+            // If OpenCV throws an exception, nothing is found.
             let seen = find(grey, search).unwrap_or_default();
             found.extend(seen.into_iter().filter_map(|marker| {
                 // OpenCV's image of an AprilTag is the tag turned by 180°, so its first corner is our third.
@@ -38,7 +38,7 @@ impl Search for ArucoOpenCv {
     }
 }
 
-/// OpenCV's number of a family's dictionary; it has none of the Standard families, which [`TagDetectorChoice::reads`] refuses.
+/// Returns OpenCV's number of a family's dictionary; it has none of the Standard families, which [`TagDetectorChoice::reads`] excludes.
 fn dictionary(family: TagFamily) -> i32 {
     match family {
         TagFamily::Tag16h5 => 17,

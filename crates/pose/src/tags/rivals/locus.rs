@@ -15,12 +15,12 @@ impl Locus {
     /// For a result's provenance.
     pub(super) const VERSION: &str = "0.10";
 
-    /// A detector for some families, with standard settings.
+    /// Creates a detector for some families, with standard settings.
     pub(super) fn new(families: &[TagFamily]) -> Result<Locus, StartError> {
         Self::with(families, DetectorConfig::default())
     }
 
-    /// A detector without its own refined corners, where others are fitted anyway: a third less time.
+    /// Creates a detector without its own corner refinement, for corners that are fitted anyway: a third less time.
     pub(super) fn unrefined(families: &[TagFamily]) -> Result<Locus, StartError> {
         let config = DetectorConfig {
             refinement_mode: CornerRefinementMode::None,
@@ -30,8 +30,8 @@ impl Locus {
         Self::with(families, config)
     }
 
-    /// A detector with thresholds by the mean of a neighbourhood, which noise and blur spoil less than the mean of its extremes, and one more
-    /// wrong bit.
+    /// Creates a detector with thresholds by the mean of a neighbourhood, which noise and blur affect less than the mean of its extremes, and with
+    /// one more wrong bit.
     pub(super) fn for_noise(families: &[TagFamily]) -> Result<Locus, StartError> {
         let config = DetectorConfig {
             threshold_mode: ThresholdMode::LocalMean,
@@ -44,12 +44,12 @@ impl Locus {
 
     fn with(families: &[TagFamily], config: DetectorConfig) -> Result<Locus, StartError> {
         let start = |family| {
-            // 16h5 and 36h11 are all that `reads` lets through.
+            // `reads` allows only 16h5 and 36h11.
             let family = match family {
                 TagFamily::Tag16h5 => locus_core::TagFamily::AprilTag16h5,
                 _ => locus_core::TagFamily::AprilTag36h11,
             };
-            // Photos are spread over threads instead.
+            // Photos are distributed over threads instead.
             let builder = DetectorBuilder::new().with_config(config).with_threads(1);
             builder.with_family(family).validated_build()
         };

@@ -1,5 +1,5 @@
-//! OpenCV's ArUco: its dictionaries, asked of it so that no table of codes is kept twice, and its search for their markers. The one file that
-//! depends on where OpenCV keeps them.
+//! OpenCV's ArUco: its dictionaries, queried so that no table of codes is kept twice, and its marker detector. The only file that depends on OpenCV's
+//! module layout.
 //!
 //! Up to 4.6 that is the contrib module `aruco`; from 4.7 on it is `objdetect`, whose detector is an object. `build.rs` asks the installed
 //! version. OpenCV 5 turns its images of AprilTags, and so their corner order, which nothing here allows for: `build.rs` refuses it.
@@ -17,7 +17,7 @@ use opencv::prelude::*;
 
 use crate::tags::{CornersBy, Modules};
 
-/// One square marker: OpenCV's id, and its corners in px, clockwise from OpenCV's first.
+/// Square marker: OpenCV's id, and its corners in px, clockwise from OpenCV's first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeenMarker {
     pub id: i32,
@@ -32,8 +32,8 @@ pub struct MarkerSearch {
 }
 
 impl MarkerSearch {
-    /// For OpenCV's dictionary of this number, whose markers have black borders of so many modules. Corners are as the outline gives them; as the
-    /// library's own they are moved by `cornerSubPix`.
+    /// Creates a search for OpenCV's dictionary of this number, whose markers have black borders of `border_modules` modules. Corners are those of
+    /// the outline; as the library's own they are refined by `cornerSubPix`.
     ///
     /// # Errors
     /// An exception of OpenCV, as for a number that it does not have.
@@ -53,7 +53,7 @@ impl MarkerSearch {
         Ok(Self { detector })
     }
 
-    /// Every marker in a grey image.
+    /// Returns every marker in a grey image.
     ///
     /// # Errors
     /// An exception of OpenCV.
@@ -76,7 +76,7 @@ impl MarkerSearch {
     }
 }
 
-/// Why there are no markers.
+/// Reason why there are no markers.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum DictionaryError {
     #[error("dictionary '{name}' is not known; use one of OpenCV's, as DICT_5X5_100 or DICT_4X4_50")]
@@ -85,7 +85,7 @@ pub enum DictionaryError {
     OpenCv { name: &'static str, reason: String },
 }
 
-/// All markers of a dictionary, each inside its one-module black border.
+/// Markers of a dictionary, each inside its one-module black border.
 #[derive(Debug, Clone)]
 pub struct MarkerDictionary {
     name: &'static str,
@@ -118,7 +118,7 @@ impl MarkerDictionary {
         "DICT_APRILTAG_36h11",
     ];
 
-    /// A dictionary by OpenCV's name for it.
+    /// Loads a dictionary by OpenCV's name for it.
     pub fn named(name: &str) -> Result<Self, DictionaryError> {
         let (name, number) = known(name)?;
         let markers = || {
@@ -136,23 +136,23 @@ impl MarkerDictionary {
         Ok(Self { name, markers })
     }
 
-    /// OpenCV's name.
+    /// Returns OpenCV's name.
     pub fn name(&self) -> &'static str {
         self.name
     }
 
-    /// How many markers there are; ids run from 0 to one below it.
+    /// Returns the number of markers; ids run from 0 to one below it.
     pub fn count(&self) -> usize {
         self.markers.len()
     }
 
-    /// One marker with its black border.
+    /// Returns one marker with its black border.
     pub fn marker(&self, id: usize) -> Option<&Modules> {
         self.markers.get(id)
     }
 }
 
-/// A search for the markers of a dictionary, with black borders of so many modules; corners are as the outline gives them, not refined.
+/// Creates a search for the markers of a dictionary, with black borders of `border_modules` modules; corners are those of the outline, not refined.
 pub fn marker_search(dictionary: &str, border_modules: u32) -> Result<MarkerSearch, DictionaryError> {
     let (name, number) = known(dictionary)?;
     let border_modules = i32::try_from(border_modules).unwrap_or(i32::MAX);

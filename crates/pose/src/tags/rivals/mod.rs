@@ -1,4 +1,4 @@
-//! The tag detectors that need OpenCV and locus-core, for comparison and as stages of the cascade: the feature `full` has them.
+//! Tag detectors that need OpenCV and locus-core (feature `full`), for comparison and as stages of the cascade.
 
 mod aruco;
 mod locus;
@@ -16,18 +16,18 @@ use scaleproof_photo::photo::doubled;
 
 pub use markers::{DictionaryError, MarkerDictionary, MarkerSearch, SeenMarker, marker_search};
 
-/// The version of the OpenCV that this program runs with.
+/// Returns the version of OpenCV at run time.
 pub fn opencv_version() -> Option<String> {
     opencv::core::get_version_string().ok()
 }
 
-/// Names and versions of the detectors that the cascade asks before C AprilTag, for a result's provenance.
+/// Returns names and versions of the cascade's detectors before C AprilTag, for a result's provenance.
 pub(super) fn libraries() -> String {
     let opencv = opencv_version().unwrap_or_default();
     format!("locus-core {}, OpenCV {opencv}, ", Locus::VERSION)
 }
 
-/// The finders that the cascade uses for their strength, the fastest first.
+/// Returns the cascade's finders of this strength, the fastest first.
 pub(super) fn finders(strength: Strength, families: &[TagFamily]) -> Result<Vec<Box<dyn Search>>, StartError> {
     let mut finders: Vec<Box<dyn Search>> = Vec::new();
     if let (Some(read), Strength::Speed | Strength::Noise) = (read_by(LOCUS, families), strength) {
@@ -52,7 +52,7 @@ pub(super) fn finders(strength: Strength, families: &[TagFamily]) -> Result<Vec<
 const LOCUS: TagDetectorChoice = TagDetectorChoice::Locus;
 const ARUCO: TagDetectorChoice = TagDetectorChoice::Aruco(CornersBy::Fit);
 
-/// The families that a detector reads; `None` when there are none.
+/// Returns the families that a detector reads; `None` if there are none.
 fn read_by(detector: TagDetectorChoice, families: &[TagFamily]) -> Option<Vec<TagFamily>> {
     let read: Vec<TagFamily> = families.iter().copied().filter(|f| detector.reads(*f)).collect();
     (!read.is_empty()).then_some(read)
@@ -66,7 +66,7 @@ pub(super) fn open(detector: TagDetectorChoice, families: &[TagFamily]) -> Resul
     })
 }
 
-/// A library that is shown the image twice as large.
+/// Search of the image at twice its size.
 struct Enlarged<S>(S);
 
 impl<S: Search> Search for Enlarged<S> {

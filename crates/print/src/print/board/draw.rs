@@ -1,4 +1,4 @@
-//! The black parts of a board.
+//! Drawing of the black parts of a board.
 
 use super::{BoardError, Definition};
 use crate::print::shapes::{OutlineMm, TagPlacement, black_modules};
@@ -6,7 +6,7 @@ use crate::print::sheet::{PointMm, RectMm};
 use scaleproof_pose::scene::TagFamily;
 use scaleproof_pose::tags::{MarkerDictionary, Modules, TagImage};
 
-/// The black of a board whose upper left corner is at `corner` (page frame).
+/// Returns the black outlines of a board whose upper left corner is at `corner` (page frame).
 pub fn black(definition: &Definition, corner: PointMm) -> Result<Vec<OutlineMm>, BoardError> {
     match definition {
         Definition::Chessboard { squares, square_mm, .. } => Ok(black_squares(*squares, *square_mm, corner)),
@@ -19,7 +19,7 @@ pub fn black(definition: &Definition, corner: PointMm) -> Result<Vec<OutlineMm>,
         } => {
             let mut outlines = black_squares(*squares, *square_mm, corner);
             let dictionary = MarkerDictionary::named(dictionary)?;
-            // OpenCV counts the markers through the white squares, row by row from the top left (CharucoBoard, 4.6 and later).
+            // OpenCV numbers the markers through the white squares, row by row from the top left (CharucoBoard, 4.6 and later).
             for (id, (row, column)) in places(*squares).filter(|place| !is_black(*place)).enumerate() {
                 let Some(marker) = dictionary.marker(id) else { break };
                 let centre = PointMm::new(
@@ -40,7 +40,7 @@ pub fn black(definition: &Definition, corner: PointMm) -> Result<Vec<OutlineMm>,
     }
 }
 
-/// (row, column), row by row from the top left.
+/// Returns all (row, column), row by row from the top left.
 fn places([columns, rows]: [u32; 2]) -> impl Iterator<Item = (u32, u32)> {
     (0..rows).flat_map(move |row| (0..columns).map(move |column| (row, column)))
 }
@@ -65,7 +65,7 @@ fn square_of(modules: &Modules, centre: PointMm, side_mm: f64) -> Vec<OutlineMm>
     black_modules(modules, &place)
 }
 
-/// Kalibr's grid (`kalibr_create_target_pdf`): tags with a wide border, and a black square of the gap's width at every crossing.
+/// Draws Kalibr's grid (`kalibr_create_target_pdf`): tags with a wide border, and a black square of the gap's width at every crossing.
 fn aprilgrid(
     [columns, rows]: [u32; 2],
     tag_mm: f64,
@@ -87,7 +87,7 @@ fn aprilgrid(
     for (row, column) in places([columns, rows]) {
         let id = (rows - 1 - row) * columns + column;
         let image = TagImage::new(TagFamily::Tag36h11, id).ok_or(BoardError::NoImage { id })?;
-        // White ring and border off, Kalibr's border on.
+        // Replaces white ring and border by Kalibr's border.
         let ring = (image.modules().side() - image.border_modules()) / 2;
         let tag = image.modules().cropped(ring + 1).framed(border_modules, true);
         let (x, y) = at((row, column));

@@ -15,12 +15,12 @@ use scaleproof_pose::board::DefinitionError;
 use scaleproof_pose::scene::TagFamily;
 use scaleproof_pose::tags::{DictionaryError, MarkerDictionary, Modules};
 
-/// Smaller modules than this come out of an office printer as mush (about 5 dots at 600 dpi).
+/// Minimum size of a module; smaller ones are illegible from an office printer (about 5 dots at 600 dpi).
 const MIN_MODULE_MM: f64 = 0.2;
-/// White paper between the board and whatever else is on the page, besides what the page keeps free anyway.
+/// White paper between the board and anything else on the page, besides the page's own margins.
 const QUIET_MM: f64 = 1.0;
 
-/// Why no board was printed.
+/// Reason why no board was printed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BoardError {
     #[error(transparent)]
@@ -66,9 +66,9 @@ pub enum BoardKind {
 #[derive(Debug, Clone, PartialEq)]
 pub struct BoardRequest {
     pub kind: BoardKind,
-    /// Columns and rows; of an AprilGrid, of tags.
+    /// Columns and rows of squares; of tags for an AprilGrid.
     pub squares: (u32, u32),
-    /// Side of a square; of an AprilGrid, from tag to tag.
+    /// Side of a square; distance from tag to tag for an AprilGrid.
     pub square_mm: f64,
     /// Outer edge of a marker's or tag's black border; `None` is the usual share of the square.
     pub marker_mm: Option<f64>,
@@ -80,12 +80,12 @@ pub struct BoardRequest {
 #[derive(Debug, Clone)]
 pub struct Board {
     pub definition: Definition,
-    /// Where it lies (page frame).
+    /// Area of the board (page frame).
     pub area: RectMm,
     pub sheet: Sheet,
 }
 
-/// The definition of a board that can be printed.
+/// Returns the definition of a printable board.
 pub fn definition(request: &BoardRequest) -> Result<Definition, BoardError> {
     let (columns, rows) = request.squares;
     let (squares, square_mm) = ([columns, rows], request.square_mm);
@@ -134,7 +134,7 @@ pub fn definition(request: &BoardRequest) -> Result<Definition, BoardError> {
             Definition::Aprilgrid {
                 tags: squares,
                 tag_mm,
-                // Rounded to what the file shows, so that the board and its file agree: a millionth of a tag.
+                // Rounded as the file shows it (a millionth of a tag), so that the board and its file agree.
                 tag_spacing: ((square_mm / tag_mm - 1.0) * 1e6).round() / 1e6,
                 family: "tag36h11".to_owned(),
                 border_modules: 2,
@@ -155,7 +155,7 @@ fn check_count(needed: u32, dictionary: &'static str, count: usize) -> Result<()
     Ok(())
 }
 
-/// The marker's size, requested or usual, in thousandths of a millimetre.
+/// Returns the marker's size, requested or usual, rounded to thousandths of a millimetre.
 fn marker_mm(request: &BoardRequest, usual_share: f64) -> Result<f64, BoardError> {
     let usual = (request.square_mm * usual_share * 1000.0).round() / 1000.0;
     let marker_mm = length::size_mm("marker", request.marker_mm.unwrap_or(usual))?;

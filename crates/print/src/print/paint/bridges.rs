@@ -1,5 +1,5 @@
-//! Where a stencil's material has to be joined. All of it works on the *core*: the places for the centre of the square that
-//! measures widths. What is joined in the core is joined by the square's full width.
+//! Search for the places where a stencil's material must be bridged. All functions work on the *core*: the possible centres of the square that
+//! measures widths. Links in the core become bridges of the square's full width.
 
 use std::collections::BTreeSet;
 
@@ -7,15 +7,15 @@ use super::plane::{Area, PlaneOutline, PlanePoint, edges, point};
 use crate::print::buckets::{Buckets, bounds};
 use scaleproof_core::geometry::{UnionFind, distance, nearest_share};
 
-/// A bridge: the square is swept along it.
+/// Bridge: the square is swept along this segment.
 pub type Link = (PlanePoint, PlanePoint);
 
-/// Slanted cuts are rounded to the unit: places this close are looked at as well.
+/// Extra search distance: slanted cuts are rounded to the unit.
 const ROUNDING: i64 = 3;
 
-/// Pairs of places in the core that are near enough for their squares to meet, while the way between them is not in the core:
-/// the material between them is narrower than the square. Where ways along an outline up to some length `around` are none, outlines have many
-/// short edges, and only the nearest place to each corner counts.
+/// Returns pairs of points in the core whose squares meet, while the segment between them is not in the core: the material between them is narrower
+/// than the square. If `around` > 0, points that an outline joins within that length are no pair; such outlines have many short edges, so only the
+/// nearest point to each corner counts.
 pub fn necks(core: &Area, side: i32, around: i32) -> Vec<Link> {
     let reach = i64::from(side) + ROUNDING;
     let along = Along::all(core);
@@ -56,17 +56,17 @@ pub fn necks(core: &Area, side: i32, around: i32) -> Vec<Link> {
     links
 }
 
-/// An edge, and where it is along its outline.
+/// Edge with its position along its outline.
 struct Along {
     way: Link,
     outline: usize,
     start: f64,
-    /// Of the outline.
+    /// Length of the outline.
     length: f64,
 }
 
 impl Along {
-    /// The edges of all outlines in their order.
+    /// Returns the edges of all outlines in their order.
     fn all(core: &Area) -> Vec<Self> {
         let mut all = Vec::new();
         for (outline, corners) in core.outlines().enumerate() {
@@ -85,7 +85,7 @@ impl Along {
         all
     }
 
-    /// Whether the way along the outline from this edge's start to a place on another is no longer than `around`.
+    /// Returns true if the path along the outline from this edge's start to a point on another edge is no longer than `around`.
     fn reaches(&self, other: &Self, place: PlanePoint, around: i32) -> bool {
         let way = (other.start + between(other.way.0, place) - self.start).abs();
         self.outline == other.outline && way.min(self.length - way) <= f64::from(around)
@@ -96,19 +96,19 @@ fn between(a: PlanePoint, b: PlanePoint) -> f64 {
     distance(point(a), point(b))
 }
 
-/// The larger of the ways along x and y.
+/// Returns the larger of the distances along x and y.
 fn apart(a: PlanePoint, b: PlanePoint) -> i64 {
     let along = |a: i32, b: i32| (i64::from(a) - i64::from(b)).abs();
     along(a.x, b.x).max(along(a.y, b.y))
 }
 
-/// Half-way along a link.
+/// Returns the midpoint of a link.
 pub fn middle((p, q): Link) -> PlanePoint {
     PlanePoint::new(i32::midpoint(p.x, q.x), i32::midpoint(p.y, q.y))
 }
 
-/// A link from every piece of the core to the one nearest to it, and none if there is one piece only. Links that would close
-/// a circle are left out; pieces that this does not join yet are joined in the next round (Borůvka 1926).
+/// Returns a link from every piece of the core to the nearest other piece; none if there is one piece only. Links that would close a circle are left
+/// out; pieces that remain apart are joined in the next round (Borůvka 1926).
 pub fn nearest(core: &Area) -> Vec<Link> {
     let count = core.pieces.len();
     if count < 2 {
@@ -153,7 +153,7 @@ fn without_circles(best: &[Option<(f64, usize, Link)>]) -> Vec<Link> {
     links
 }
 
-/// Whether a way is certainly farther from a place than `reach`, along x or y.
+/// Returns true if a segment is certainly farther from a point than `reach`, along x or y.
 fn out_of_reach(place: PlanePoint, (a, b): Link, reach: i64) -> bool {
     let beyond = |p: i32, a: i32, b: i32| {
         let (low, high) = (i64::from(a.min(b)), i64::from(a.max(b)));
@@ -168,8 +168,8 @@ fn nearest_on((a, b): Link, to: PlanePoint) -> PlanePoint {
     PlanePoint::new(a.x + (along * dx).round() as i32, a.y + (along * dy).round() as i32)
 }
 
-/// Whether the middle between two places is inside the edges or on them, by the crossings of a ray to the right (in doubled
-/// coordinates, so that the middle is whole).
+/// Returns true if the midpoint of two points is inside the edges or on them, by the crossings of a ray to the right (in doubled coordinates, so that
+/// the midpoint is an integer).
 fn holds_middle(ways: &[Link], p: PlanePoint, q: PlanePoint) -> bool {
     let (x, y) = (i64::from(p.x) + i64::from(q.x), i64::from(p.y) + i64::from(q.y));
     let mut inside = false;

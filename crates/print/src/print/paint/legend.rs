@@ -1,4 +1,4 @@
-//! How to paint, and the table of the paints.
+//! Instructions for painting, and the table of the paints.
 
 use super::{PaintArea, PaintRequest};
 use crate::print::frame::PageFrame;
@@ -13,19 +13,19 @@ const SWATCH_MM: f64 = 4.5;
 const RULE_MM: f64 = 0.15;
 const CM2: f64 = 100.0;
 
-/// The table's width; on narrower paper everything in it shrinks.
+/// Width of the table; on narrower paper the table shrinks.
 const TABLE_MM: f64 = 168.0;
-/// Where the columns end (numbers) or begin (number, swatch, name, sRGB), and their headings.
+/// Positions of the columns: the right edges of numbers, else the left edges (number, swatch, name, sRGB); and their headings.
 const NO_MM: f64 = 6.0;
 const SWATCH_AT_MM: f64 = 9.0;
 const NAME_AT_MM: f64 = 24.0;
 const NAME_MM: f64 = 40.0;
 const HEX_AT_MM: f64 = 66.0;
 const NUMBERS_AT_MM: [f64; 5] = [98.0, 118.0, 138.0, 156.0, TABLE_MM];
-/// The font of the sheets is Latin-1: dE is ΔE.
+/// The font of the sheets is Latin-1, so ΔE is written dE.
 const NUMBER_HEADS: [&str; 5] = ["area cm²", "stencil", "touch up", "dE mean", "max"];
 
-/// The steps from printed sheets to a painted model.
+/// Returns the steps from printed sheets to a painted model.
 pub fn steps(request: &PaintRequest) -> Vec<String> {
     let steps = [
         "Print at 100 %, without fit to page. Measure both rulers below before you cut anything.",
@@ -47,21 +47,21 @@ pub fn steps(request: &PaintRequest) -> Vec<String> {
     steps.into_iter().take(count).map(str::to_owned).collect()
 }
 
-/// A paint, counted from 0, and its area.
+/// Index of a paint, from 0, the paint and its area.
 type LegendLine<'a> = (usize, (&'a UsedPaint, &'a PaintArea));
 
 pub struct Legend<'a> {
     pub painted: &'a Painted,
     pub areas: &'a [PaintArea],
     pub whole: &'a str,
-    /// Below the table.
+    /// Lines below the table.
     pub notes: &'a [&'a str],
 }
 
 pub fn sheets(frame: &PageFrame, legend: &Legend, captions: &Captions) -> Vec<Sheet> {
     let Legend { painted, areas, .. } = *legend;
     let factor = (frame.usable.width_mm() / TABLE_MM).min(1.0);
-    // Heading, column heads, and the lines below the table.
+    // Two lines of headings, and the lines below the table.
     let rows = ((frame.usable.height_mm() / (ROW_MM * factor)).floor() as usize)
         .saturating_sub(4 + legend.notes.len())
         .max(1);
@@ -159,7 +159,7 @@ impl Table<'_> {
     }
 }
 
-/// A filled rectangle with a line around it, so that white shows too.
+/// Draws a filled rectangle with a line around it, so that white is visible too.
 pub fn swatch(area: RectMm, colour: [u8; 3]) -> [Mark; 2] {
     [Mark::fill(area.grown(RULE_MM), BLACK), Mark::fill(area, colour)]
 }

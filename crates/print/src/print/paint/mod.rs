@@ -1,4 +1,4 @@
-//! Paint instead of paper: a pattern in a few paints, as sheets to paint by number and as stencils.
+//! Painting instead of printing: a pattern in a few paints, as sheets to paint by number and as stencils.
 //!
 //! [`stencil`] is geometry alone and takes any outlines; the rest draws it for a rectangle of a repeated pattern.
 
@@ -26,17 +26,17 @@ use scaleproof_plot::lettering::number;
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::palette::Painted;
 
-/// Thinner bridges than this do not last in any stencil.
+/// Minimum width of bridges; thinner ones do not last in any stencil.
 pub const MIN_FEATURE_MM: f64 = 0.2;
-/// Wider ones, with the rim that holds them, leave an office printer no room.
+/// Maximum width of bridges; wider ones, with the rim that holds them, leave an office printer no room.
 pub const MAX_FEATURE_MM: f64 = 10.0;
-/// A bridge, and an opening on either side of it.
+/// Minimum size of a cell in features: a bridge, and an opening on either side of it.
 const FEATURES_PER_CELL: f64 = 3.0;
 pub const RIM_MM: f64 = 10.0;
-/// Nobody paints more cells by number, and stencils of more take hours.
+/// Maximum number of cells; nobody paints more by number, and stencils of more take hours.
 pub const MOST_CELLS: usize = 250_000;
 
-/// Why there are no paint sheets.
+/// Reason why there are no paint sheets.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PaintError {
     #[error(transparent)]
@@ -54,9 +54,9 @@ pub enum PaintError {
     CellTooSmall {
         cell: String,
         feature: String,
-        /// The widest features that these cells have room for.
+        /// Largest feature width that fits into these cells.
         most: String,
-        /// The smallest tile that has room for these features.
+        /// Smallest tile width that fits these features.
         least_tile: String,
     },
     #[error(
@@ -69,11 +69,11 @@ pub enum PaintError {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct PaintRequest {
-    /// As for a template. Overlap and bleed have no meaning: the sheets have rims and are laid edge to edge.
+    /// Size, paper and pattern as for a template. Overlap and bleed are ignored: the sheets have rims and are laid edge to edge.
     pub template: TemplateRequest,
-    /// The least width of bridges and openings.
+    /// Minimum width of bridges and openings.
     pub min_feature_mm: f64,
-    /// Stencils as seen from their back, to be cut from the back side of a film.
+    /// True to mirror the stencils, for cutting from the back side of a film.
     pub mirror: bool,
 }
 
@@ -86,17 +86,17 @@ impl PaintRequest {
     }
 }
 
-/// The rim of a stencil with features of this width: it holds registration holes.
+/// Returns the width of the rim of a stencil with features of this width: it holds registration holes.
 pub fn rim_mm(min_feature_mm: f64) -> f64 {
     RIM_MM.max(hole_mm(min_feature_mm) + 2.0 * min_feature_mm)
 }
 
-/// What becomes of a paint's area. `openings_mm2` and `bridges_mm2` make up `cells_mm2`.
+/// Areas of a paint, mm². `openings_mm2` and `bridges_mm2` add up to `cells_mm2`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PaintArea {
     pub cells_mm2: f64,
     pub openings_mm2: f64,
-    /// Left to be touched up with a brush.
+    /// Area to be touched up with a brush.
     pub bridges_mm2: f64,
 }
 
@@ -115,9 +115,9 @@ pub struct PaintSheets {
     pub layout: SheetLayout,
     pub cell_mm: f64,
     pub areas: Vec<PaintArea>,
-    /// How to paint, the legend, the sheets to paint by number, then the stencils paint by paint. Drawn as the printer needs it.
+    /// Instructions, the legend, the sheets to paint by number, then the stencils paint by paint; corrected for the printer.
     pub pages: Vec<Sheet>,
-    /// A name for each page, where it becomes a file of its own.
+    /// Name of each page, used if it becomes a file of its own.
     pub names: Vec<String>,
 }
 
@@ -126,14 +126,14 @@ impl PaintSheets {
         PaintArea::sum(&self.areas)
     }
 
-    /// How many of the pages are stencils: those of one paint on one sheet.
+    /// Returns the number of pages that are stencils: those of one paint on one sheet.
     pub fn stencils(&self) -> usize {
         let is_stencil = |name: &&String| name.starts_with("paint") && name.contains('-');
         self.names.iter().filter(is_stencil).count()
     }
 }
 
-/// Draws the sheets. A sheet on which a paint does not occur, or cannot be sprayed, gets no stencil of it.
+/// Draws the sheets. A paint without cells on a sheet, or without an opening there, gets no stencil of it.
 pub fn paint_sheets(pattern: &Pattern, painted: &Painted, request: &PaintRequest) -> Result<PaintSheets, PaintError> {
     let cell_mm = cell_mm(pattern, &request.template)?;
     check_features(cell_mm, pattern.columns(), request.min_feature_mm)?;
@@ -182,7 +182,7 @@ pub fn paint_sheets(pattern: &Pattern, painted: &Painted, request: &PaintRequest
     })
 }
 
-/// Refuses features that no printer shows or that these cells have no room for.
+/// Returns an error for features that no printer can show or that do not fit into these cells.
 pub fn check_features(cell_mm: f64, columns: u32, feature_mm: f64) -> Result<(), PaintError> {
     if !(MIN_FEATURE_MM..=MAX_FEATURE_MM).contains(&feature_mm) {
         return Err(PaintError::FeatureWidth { feature_mm });
@@ -191,7 +191,7 @@ pub fn check_features(cell_mm: f64, columns: u32, feature_mm: f64) -> Result<(),
         return Err(PaintError::CellTooSmall {
             cell: number(cell_mm),
             feature: number(feature_mm),
-            // Rounded to the side on which the advice works.
+            // Rounded towards the side on which the advice is valid.
             most: number((cell_mm / FEATURES_PER_CELL * 1e3).floor() / 1e3),
             least_tile: number((FEATURES_PER_CELL * feature_mm * f64::from(columns) * 1e3).ceil() / 1e3),
         });
@@ -216,11 +216,11 @@ fn check_cells(cell_mm: f64, (width_mm, height_mm): (f64, f64)) -> Result<(), Pa
     Ok(())
 }
 
-/// A panel spread over sheets that stand alone: each has a rim around its part, and seams follow the cells' borders where they can, so that no
-/// cell is cut into slivers. Of each sheet, `own` is its part of the panel, `carried` that and the rim. `trim` and `printed` are the rim's
-/// outer edge. Overlap and bleed of the request do not matter.
+/// Lays out a panel over separate sheets: each has a rim around its part, and seams follow the cells' borders if possible, so that no cell is cut
+/// into slivers. `own` is a sheet's part of the panel, `carried` that with the rim; `trim` and `printed` are the rim's outer edge. Overlap and bleed
+/// of the request are ignored.
 fn pieces(request: &LayoutRequest, cell_mm: f64, rim_mm: f64) -> Result<SheetLayout, SheetError> {
-    // A strip of two rims between sheets and one around them leaves each sheet its part and its own rim.
+    // An overlap of two rims and a bleed of one leave each sheet its part and its own rim.
     let spread = layout(&LayoutRequest {
         overlap_mm: 2.0 * rim_mm,
         bleed_mm: rim_mm,
@@ -238,10 +238,10 @@ fn pieces(request: &LayoutRequest, cell_mm: f64, rim_mm: f64) -> Result<SheetLay
     Ok(made)
 }
 
-/// Where the panel is cut along one axis: between cells, as many of them on each sheet as on any other or one less. Cells that
-/// are larger than a sheet are cut into `parts` equal parts.
+/// Returns the cuts of the panel along one axis: between cells, with equal numbers of them on all sheets up to one. Cells larger than a sheet are cut
+/// into `parts` equal parts.
 fn cuts(size_mm: f64, cell_mm: f64, most_mm: f64, parts: usize) -> Vec<f64> {
-    // A millionth of slack for sizes made to measure.
+    // A tolerance of a millionth for sizes made to measure.
     let fit = (most_mm / cell_mm + 1e-6).floor();
     if fit < 1.0 {
         let inner = (1..parts).map(|i| size_mm * i as f64 / parts as f64);
@@ -253,10 +253,10 @@ fn cuts(size_mm: f64, cell_mm: f64, most_mm: f64, parts: usize) -> Vec<f64> {
     [0.0].into_iter().chain(inner).chain([size_mm]).collect()
 }
 
-/// A paint, a sheet and its stencil.
+/// Index of a paint, a sheet and its stencil.
 type Cut<'a> = (usize, &'a SheetPlan, Stencil);
 
-/// All stencils with an opening, paint by paint, and what becomes of each paint's area.
+/// Returns all stencils with an opening, paint by paint, and each paint's areas.
 fn cut<'a>(
     grid: &CellGrid,
     layout: &'a SheetLayout,

@@ -1,6 +1,6 @@
-//! Areas of the plane in whole ten-thousandths of a millimetre, so that shared edges are shared exactly and areas add up exactly.
+//! Areas of the plane in integer ten-thousandths of a millimetre, so that shared edges are shared exactly and areas add up exactly.
 //!
-//! The boolean operations are those of `i_overlay`; growing and shrinking by a square is the union of what the square sweeps.
+//! The boolean operations are those of `i_overlay`; growing and shrinking by a square use the union of the square's sweeps.
 
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay::{IntOverlayOptions, Overlay};
@@ -9,13 +9,13 @@ use i_overlay::i_float::int::point::IntPoint;
 
 use crate::print::sheet::sides;
 
-/// Units in a millimetre.
+/// Units per millimetre.
 pub const PER_MM: f64 = 10_000.0;
 
 pub type PlanePoint = IntPoint<i32>;
 pub type PlaneOutline = Vec<PlanePoint>;
 
-/// Millimetres to the nearest unit. Beyond 100 m, where nothing is printed, the value is held.
+/// Converts millimetres to the nearest unit. Beyond 100 m, where nothing is printed, the value is clamped.
 pub fn units(mm: f64) -> i32 {
     (mm * PER_MM).round().clamp(-1e9, 1e9) as i32
 }
@@ -28,10 +28,10 @@ pub fn point(p: PlanePoint) -> [f64; 2] {
     [f64::from(p.x), f64::from(p.y)]
 }
 
-/// Any number of pieces, with or without holes.
+/// Set of any number of pieces, with or without holes.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Area {
-    /// Each a connected piece: its outline counter-clockwise, then its holes clockwise.
+    /// Connected pieces: each has its outline counter-clockwise, then its holes clockwise.
     pub pieces: Vec<Vec<PlaneOutline>>,
 }
 
@@ -66,12 +66,12 @@ impl Bounds {
 }
 
 impl Area {
-    /// What any of the outlines encloses; they may overlap, and all run counter-clockwise.
+    /// Returns the union of the outlines; they may overlap, and all run counter-clockwise.
     pub fn of(outlines: &[PlaneOutline]) -> Self {
         operation(outlines, &[], OverlayRule::Subject)
     }
 
-    /// The area of one piece: its outline, then its holes.
+    /// Creates the area of one piece: its outline, then its holes.
     pub fn from_piece(piece: &[PlaneOutline]) -> Self {
         let pieces = vec![piece.to_vec()];
         Self { pieces }
@@ -85,7 +85,7 @@ impl Area {
         self.pieces.iter().flatten()
     }
 
-    /// The corners of every piece, each with the one that follows.
+    /// Returns the edges of every piece, each as a corner and the next.
     pub fn edges(&self) -> impl Iterator<Item = (PlanePoint, PlanePoint)> {
         self.outlines().flat_map(edges)
     }
@@ -111,7 +111,7 @@ impl Area {
         operation(&self.flat(), more, OverlayRule::Union)
     }
 
-    /// Everything a square of half side `half` covers while its centre is in this area: the Minkowski sum.
+    /// Returns the Minkowski sum with a square of half side `half`: all it covers while its centre is in this area.
     pub fn grown(&self, half: i32) -> Self {
         if half == 0 {
             return self.clone();
@@ -120,7 +120,7 @@ impl Area {
         self.with(&sweeps)
     }
 
-    /// Where the centre of a square of half side `half` can be while all of the square is in this area.
+    /// Returns the erosion by a square of half side `half`: the centres at which all of the square is in this area.
     pub fn shrunk(&self, half: i32) -> Self {
         let Some(bounds) = self.bounds() else {
             return Self::default();
@@ -129,12 +129,12 @@ impl Area {
         self.without(&outside.grown(half))
     }
 
-    /// All that squares of half side `half` inside this area cover: the morphological opening.
+    /// Returns the morphological opening: all that squares of half side `half` inside this area cover.
     pub fn opened(&self, half: i32) -> Self {
         self.shrunk(half).grown(half)
     }
 
-    /// Whether a place is inside, by the winding of the outlines around it.
+    /// Returns true if a point is inside, by the winding number.
     pub fn contains(&self, p: PlanePoint) -> bool {
         let crossing = |(a, b): (PlanePoint, PlanePoint)| {
             let side = i128::from(b.x - a.x) * i128::from(p.y - a.y) - i128::from(b.y - a.y) * i128::from(p.x - a.x);
@@ -147,7 +147,7 @@ impl Area {
         self.edges().map(crossing).sum::<i32>() != 0
     }
 
-    /// Twice the area in square units; exact.
+    /// Returns twice the area in square units; exact.
     pub fn doubled_area(&self) -> i128 {
         let cross =
             |(a, b): (PlanePoint, PlanePoint)| i128::from(a.x) * i128::from(b.y) - i128::from(b.x) * i128::from(a.y);
@@ -163,12 +163,12 @@ impl Area {
     }
 }
 
-/// Each corner of an outline and the next.
+/// Returns each corner of an outline with the next.
 pub fn edges(outline: &PlaneOutline) -> impl Iterator<Item = (PlanePoint, PlanePoint)> {
     sides(outline).map(|(a, b)| (*a, *b))
 }
 
-/// What a square of half side `half` covers while its centre goes straight from `a` to `b`: a hexagon, or a rectangle.
+/// Returns the area that a square of half side `half` covers while its centre moves straight from `a` to `b`: a hexagon, or a rectangle.
 pub fn swept(a: PlanePoint, b: PlanePoint, half: i32) -> PlaneOutline {
     let (a, b) = if a.x <= b.x { (a, b) } else { (b, a) };
     let corners = if a.y <= b.y {
@@ -182,7 +182,7 @@ pub fn swept(a: PlanePoint, b: PlanePoint, half: i32) -> PlaneOutline {
 }
 
 fn operation(subject: &[PlaneOutline], clip: &[PlaneOutline], rule: OverlayRule) -> Area {
-    // Pieces that touch in a point are pieces of their own.
+    // Pieces that touch in a point are separate pieces.
     let options = IntOverlayOptions {
         ogc: true,
         ..IntOverlayOptions::default()

@@ -1,5 +1,5 @@
-//! The cells of a panel as rectangles, runs and connected regions. Areas are in the template's frame with y turned up:
-//! (x, -y) of [`TemplateRect`], in [`plane`](super::plane) units.
+//! Cells of a panel as rectangles, runs and connected regions. Areas are in the template's frame with y turned up: (x, -y) of [`TemplateRect`], in
+//! [`plane`](super::plane) units.
 
 use std::ops::Range;
 
@@ -8,7 +8,7 @@ use crate::print::template::TemplateRect;
 use scaleproof_core::geometry::{cells_beside, stretches};
 use scaleproof_surface::pattern::palette::Painted;
 
-/// A pattern in paints, repeated over a panel from its top-left corner.
+/// Pattern in paints, repeated over a panel from its top-left corner.
 #[derive(Debug, Clone, Copy)]
 pub struct CellGrid<'a> {
     pub painted: &'a Painted,
@@ -18,7 +18,7 @@ pub struct CellGrid<'a> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct PaintPatch {
     pub paint: usize,
-    /// The middle and the size of the part of a cell that is farthest from the patch's border.
+    /// Centre and size of the part of a cell that is farthest from the patch's border.
     pub at_mm: (f64, f64),
     pub room_mm: (f64, f64),
 }
@@ -36,9 +36,9 @@ pub fn rectangle_mm2(corners: &PlaneOutline) -> f64 {
 }
 
 impl CellGrid<'_> {
-    /// The columns, and the rows, that reach into a region.
+    /// Returns the ranges of columns and of rows that reach into a region.
     pub fn cells(&self, region: TemplateRect) -> (Range<usize>, Range<usize>) {
-        // What is left of a cell must be a unit at least: seams on borders of cells are rounded.
+        // The visible part of a cell must be at least a unit: seams on borders of cells are rounded.
         let range = |from: f64, to: f64| {
             let first = (from.max(0.0) / self.cell_mm).floor() as usize;
             let ends = |i: &usize| units(*i as f64 * self.cell_mm);
@@ -49,7 +49,7 @@ impl CellGrid<'_> {
         (columns, range(region.top_mm, region.bottom_mm))
     }
 
-    /// What a region has of some columns and rows.
+    /// Returns the part of some columns and rows inside a region.
     fn part(&self, region: Bounds, columns: Range<usize>, rows: Range<usize>) -> Bounds {
         let edge = |i: usize| units(i as f64 * self.cell_mm);
         Bounds::new(
@@ -60,7 +60,7 @@ impl CellGrid<'_> {
         )
     }
 
-    /// What a paint takes of a region: a rectangle for each run of its cells in a row. They share borders and nothing else.
+    /// Returns a paint's cells in a region: a rectangle for each run of cells in a row. They share only borders.
     pub fn runs(&self, paint: usize, region: TemplateRect) -> Vec<PlaneOutline> {
         let (columns, rows) = self.cells(region);
         let whole = bounds(region);
@@ -72,7 +72,7 @@ impl CellGrid<'_> {
         rows.flat_map(in_row).collect()
     }
 
-    /// The lines between cells of different paints, and around the region.
+    /// Returns the lines between cells of different paints, and around the region.
     pub fn borders(&self, region: TemplateRect) -> Vec<(PlanePoint, PlanePoint)> {
         let (columns, rows) = self.cells(region);
         let whole = bounds(region);
@@ -99,7 +99,7 @@ impl CellGrid<'_> {
             .collect()
     }
 
-    /// The patches of a region, cells that share a side taken together, row by row of their first cells.
+    /// Returns the patches of a region (cells connected by sides), row by row of their first cells.
     pub fn patches(&self, region: TemplateRect) -> Vec<PaintPatch> {
         let (columns, rows) = self.cells(region);
         let (wide, high) = (columns.len(), rows.len());
@@ -119,7 +119,7 @@ impl CellGrid<'_> {
             let size = |i: usize| mm((part(i).right - part(i).left).min(part(i).top - part(i).bottom));
             let mut best = first;
             for (i, _) in flooded(vec![first], wide, high, &mut seen, |i| paint(i) == paint(first)) {
-                // The deepest cell, and of those the one with the most room at the panel's edge.
+                // The deepest cell, and of equal ones the one with the most room at the panel's edge.
                 if (inside[i], size(i)) > (inside[best], size(best)) {
                     best = i;
                 }
@@ -135,7 +135,7 @@ impl CellGrid<'_> {
     }
 }
 
-/// The cells that can be reached from some through cells that are alike, each with the steps it takes; marks them as seen.
+/// Returns the cells reachable from the first ones through cells with `alike`, each with its number of steps; marks them as seen.
 fn flooded(
     first: Vec<usize>,
     wide: usize,
@@ -158,7 +158,7 @@ fn flooded(
     found
 }
 
-/// How many steps each cell is from the nearest cell of another paint, or from the outside.
+/// Returns each cell's number of steps from the nearest cell of another paint, or from the outside.
 fn depths(wide: usize, high: usize, paint: impl Fn(usize) -> usize) -> Vec<u32> {
     let is_other = |n: &Option<usize>, i: usize| n.is_none_or(|n| paint(n) != paint(i));
     let at_border = |i: &usize| cells_beside(*i, wide, high).iter().any(|n| is_other(n, *i));

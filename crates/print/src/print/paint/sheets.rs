@@ -1,5 +1,5 @@
-//! The sheets of one part of the panel: to paint by number, with the border of every patch of one paint and the paint's number in it; and the
-//! stencils, with the openings to be cut out tinted, and a rim with a label. Registration holes are at the same place on all of them.
+//! Sheets of one part of the panel: to paint by number, with the border of every patch of one paint and the paint's number in it; and the stencils,
+//! with tinted openings to cut out, and a rim with a label. Registration holes are at the same place on all of them.
 
 use super::plane::{PlaneOutline, mm};
 use super::regions::CellGrid;
@@ -11,23 +11,23 @@ use scaleproof_plot::lettering::printable;
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::palette::Paint;
 
-/// What is to be cut out: light, to spare ink, and no colour of lines and text.
+/// Colour of openings to cut out: light, to save ink, and distinct from lines and text.
 pub const OPENING: Srgb8 = [255, 214, 140];
 const LINE_MM: f64 = 0.15;
 const BORDER_MM: f64 = 0.2;
 const NUMBER_MM: f64 = 4.0;
-/// Height and width of a number, of those of the cell it stands in, at most.
+/// Maximum height and width of a number, as a share of its cell's.
 const NUMBER_SHARE: f64 = 0.6;
 const LABEL_MM: f64 = 3.5;
 const HOLE_MM: f64 = 3.0;
-/// Corners of a registration hole.
+/// Number of corners of a registration hole.
 const HOLE_CORNERS: u32 = 24;
 
 pub fn hole_mm(min_feature_mm: f64) -> f64 {
     HOLE_MM.max(min_feature_mm)
 }
 
-/// Crosses in the corners of a rim; with a hole, only the arms beside it.
+/// Draws crosses in the corners of a rim; with a hole, only the arms beside it.
 pub fn registration(outer: RectMm, rim_mm: f64, hole_mm: f64) -> Vec<Mark> {
     let (near, far) = (0.5 * hole_mm, 0.5 * rim_mm - 0.5);
     let crosses = corners(outer, rim_mm).flat_map(|middle| cross(middle, near, far));
@@ -49,7 +49,7 @@ fn corners(outer: RectMm, rim_mm: f64) -> impl Iterator<Item = (f64, f64)> {
     middles.into_iter().map(|p| (p.x_mm, p.y_mm))
 }
 
-/// One sheet, cut at its part of the panel; the part lies on the page where the stencils of this sheet have it.
+/// Draws one sheet to paint by number, cut at its part of the panel, which has the same place on the page as on the stencils of this sheet.
 pub fn numbers(layout: &SheetLayout, plan: &SheetPlan, grid: &CellGrid, captions: &Captions) -> Sheet {
     let outer = plan.trim;
     let rim = plan.own.left_mm - plan.carried.left_mm;
@@ -76,7 +76,7 @@ pub fn numbers(layout: &SheetLayout, plan: &SheetPlan, grid: &CellGrid, captions
     layout.frame.sheet(part, part, marks)
 }
 
-/// Draws the stencils of one request.
+/// Drawing of the stencils of one request.
 pub struct StencilPen<'a> {
     layout: &'a SheetLayout,
     captions: Captions,
@@ -104,7 +104,7 @@ impl<'a> StencilPen<'a> {
         }
     }
 
-    /// The page of one paint and one part of the panel. `number`: the paint's in the legend.
+    /// Draws the page of one paint and one part of the panel. `number`: the paint's in the legend.
     pub fn sheet(&self, plan: &SheetPlan, number: usize, paint: &Paint, stencil: &Stencil) -> Sheet {
         let outer = plan.trim;
         let rim = plan.own.left_mm - plan.carried.left_mm;
@@ -133,7 +133,7 @@ impl<'a> StencilPen<'a> {
         self.layout.frame.sheet(outer, outer, marks)
     }
 
-    /// What stays on the stencil when its page is cut away.
+    /// Draws the label that stays on the stencil when its page is cut away.
     fn label(&self, plan: &SheetPlan, rim: f64, number: usize, paint: &Paint) -> Mark {
         let outer = plan.trim;
         let side = if self.mirror {
@@ -151,8 +151,8 @@ impl<'a> StencilPen<'a> {
     }
 }
 
-/// A mark as seen from the back of the piece; text stays readable. Fills, stamps, images and clipped marks, which a stencil has
-/// none of, stay as they are.
+/// Mirrors a mark as seen from the back of the piece; text stays readable. Fills, stamps, images and clipped marks, which stencils do not have, are
+/// unchanged.
 pub fn mirrored(mut mark: Mark, piece: RectMm) -> Mark {
     let turn = |p: &mut PointMm| p.x_mm = piece.left_mm + piece.right_mm - p.x_mm;
     match &mut mark {
@@ -166,7 +166,7 @@ pub fn mirrored(mut mark: Mark, piece: RectMm) -> Mark {
             };
         }
         Mark::Area { outlines, .. } | Mark::Cut { outlines, .. } => {
-            // Turned back, so that outlines run the way they did.
+            // Reversed, so that outlines keep their direction.
             outlines.iter_mut().for_each(|outline| outline.reverse());
             outlines.iter_mut().flatten().for_each(turn);
         }

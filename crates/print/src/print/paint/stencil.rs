@@ -1,38 +1,37 @@
-//! From the area a paint takes to a stencil that can be cut: one piece of material, nowhere weaker than a least width.
+//! Construction of a stencil that can be cut from the area of a paint: one piece of material, nowhere narrower than a minimum width.
 //!
-//! *Width* is measured by an upright square of that side: the square can be moved from any place in the material to any other
-//! without leaving it, and every point of the material, as of an opening, is inside some such square. It is the stricter of the
-//! usual measures, for the square has the disc of the same diameter in it. The rules, in this order and until none
-//! applies:
+//! *Width* is measured by an upright square of that side: the square can be moved from any place in the material to any other without leaving it, and
+//! every point of the material, as of an opening, is inside some such square. It is the stricter of the usual measures, since the square contains the
+//! disc of the same diameter. Rules, applied in this order until none applies:
 //!
 //! 1. a part of an opening that the square does not fit into is not cut;
 //! 2. a part of the material that the square does not fit into is widened by the square;
 //! 3. two parts of the material that meet, but not by the full width (cells that touch in a corner), are joined by a diagonal bridge;
-//! 4. material that hangs together with nothing else gets a straight bridge to the nearest other material.
+//! 4. material without connection to the rest gets a straight bridge to the nearest other material.
 //!
-//! Each of them only adds material, within the paint's own area: no stencil lets a paint where another belongs, and
-//! what is bridged is touched up with a brush.
+//! Each of them only adds material, within the paint's own area: no stencil lets a paint onto another's area, and bridged parts are touched up with a
+//! brush.
 
 use super::bridges;
 use super::plane::{Area, Bounds, PlaneOutline, units};
 
-/// Rounds until all rules hold; real patterns take two to six.
+/// Maximum number of rounds until all rules hold; real patterns take two to six.
 const MOST_ROUNDS: usize = 100;
-/// Slanted openings that do not come to rest after so many rounds are not cut.
+/// Number of rounds after which slanted openings that still change are not cut.
 const PATIENCE: usize = 40;
-/// Parts of slanted openings that are no larger are rounding, mm².
+/// Area up to which parts of slanted openings are rounding, mm².
 const ROUNDED_MM2: f64 = 0.005;
-/// Bridges are this much wider, a micrometre on either side, so that they still measure up where slanted cuts are rounded.
+/// Extra width of bridges, a micrometre on either side, so that they keep their width if slanted cuts are rounded.
 const SPARE: i32 = 10;
-/// Material narrower than this is rounding, not a part: a micrometre.
+/// Width below which material is rounding, not a part: a micrometre.
 const ROUNDING: i32 = 5;
 
-/// What a stencil must hold. Lengths in mm.
+/// Dimensions that a stencil must have. Lengths in mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rules {
-    /// The least width of bridges, of all other material, and of openings.
+    /// Minimum width of bridges, of all other material, and of openings.
     pub min_feature_mm: f64,
-    /// Material around the region, at least as wide as `min_feature_mm`.
+    /// Width of the material around the region, at least `min_feature_mm`.
     pub rim_mm: f64,
 }
 
@@ -40,39 +39,39 @@ pub struct Rules {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stencil {
     pub openings: Area,
-    /// Material where the paint belongs: to be touched up. With `openings` it makes up the requested area, exactly.
+    /// Material on the paint's own area: to be touched up. With `openings` it adds up to the requested area, exactly.
     pub bridges: Area,
     /// The outer edge of the material: the region's bounds and the rim.
     pub outer: Bounds,
 }
 
-/// The rules cannot be held; on whole cells of three times the least width this does not happen.
+/// The rules cannot be fulfilled; on whole cells of three times the minimum width this does not happen.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("no stencil with features of {min_feature_mm} mm was found for this shape")]
 pub struct NoStencil {
     min_feature_mm: f64,
 }
 
-/// How far a shape may be off the upright grid that the widths are measured on. All in units of the plane.
+/// Tolerances for shapes that are not aligned with the upright grid by which widths are measured. All in units of the plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slant {
-    /// Parts of the material that a square of twice this does not fit into are tips of slanted corners, if they are short.
+    /// Half side of a square; short parts of the material that it does not fit into are tips of slanted corners.
     tip: i32,
-    /// Places that are so near along an outline are joined by it, however it bends.
+    /// Distance along an outline up to which points count as joined by it, however it bends.
     around: i32,
-    /// Openings that are cut reach so far into their own slanted corners.
+    /// Distance by which cut openings may reach into their own slanted corners.
     corner: i32,
 }
 
 impl Slant {
-    /// The slant of cells that lie upright: none.
+    /// No slant: upright cells.
     pub const NONE: Self = Self {
         tip: ROUNDING,
         around: 0,
         corner: 0,
     };
 
-    /// The slant of cells on a curved surface that was laid flat.
+    /// Returns the slant of cells on a curved surface that was laid flat.
     pub fn of_curved(min_feature_mm: f64) -> Self {
         Self {
             tip: units(0.1 * min_feature_mm),
@@ -81,7 +80,7 @@ impl Slant {
         }
     }
 
-    /// Slanted edges meet in points that are rounded: what is smaller than that is nothing.
+    /// Removes tiny pieces, which stem from the rounding of intersections of slanted edges.
     fn without_rounding(self, mut area: Area) -> Area {
         if self != Self::NONE {
             area.pieces.retain(|piece| Area::from_piece(piece).mm2() > ROUNDED_MM2);
@@ -90,8 +89,8 @@ impl Slant {
     }
 }
 
-/// Cuts `openings` (counter-clockwise outlines, which may overlap), as far as they lie in `region`, from material that reaches a
-/// rim beyond the region's bounds.
+/// Cuts `openings` (counter-clockwise outlines, which may overlap), as far as they lie in `region`, from material that extends by a rim beyond the
+/// region's bounds.
 pub fn stencil(openings: &[PlaneOutline], region: &[PlaneOutline], rules: Rules) -> Result<Stencil, NoStencil> {
     let region = Area::of(region);
     let outer = region.bounds().unwrap_or_default().grown(units(rules.rim_mm));
@@ -105,7 +104,7 @@ pub fn stencil(openings: &[PlaneOutline], region: &[PlaneOutline], rules: Rules)
     })
 }
 
-/// What is cut of `asked` from a sheet of material, and what is not. What is thin or apart in the sheet itself stays so.
+/// Divides `asked` into the part cut from a sheet of material, and the rest. Thin or separate parts of the sheet itself stay so.
 pub fn openings_and_bridges(
     asked: &Area,
     whole: &Area,
@@ -127,7 +126,7 @@ pub fn openings_and_bridges(
             off(openings, &more)
         };
     }
-    // A sheet that holds together is one, even if a corner of it is a little too narrow.
+    // A connected sheet is accepted, even if a corner of it is a little too narrow.
     let is_one = whole.without(&openings).pieces.len() == whole.pieces.len();
     if slant != Slant::NONE && is_one {
         Ok((openings.clone(), asked.without(&openings)))
@@ -143,7 +142,7 @@ fn off(mut openings: Area, something: &Area) -> Area {
     openings
 }
 
-/// What the material must take of the openings, by the first of the rules that is broken.
+/// Returns the part of the openings that must become material, by the first rule that is broken.
 fn missing(whole: &Area, openings: &Area, half: i32, slant: Slant) -> Area {
     let material = whole.without(openings);
     let core = material.shrunk(half);
@@ -155,7 +154,7 @@ fn missing(whole: &Area, openings: &Area, half: i32, slant: Slant) -> Area {
         }
     }
     let joined = |mut links: Vec<bridges::Link>| {
-        // What is narrow where the sheet itself ends stays so.
+        // Material that is narrow at the sheet's own edge stays so.
         links.retain(|link| slant == Slant::NONE || whole.contains(bridges::middle(*link)));
         let sweeps = links.iter().map(|(a, b)| super::plane::swept(*a, *b, half + SPARE));
         slant.without_rounding(Area::of(&sweeps.collect::<Vec<_>>()).and(openings))
@@ -168,7 +167,7 @@ fn missing(whole: &Area, openings: &Area, half: i32, slant: Slant) -> Area {
     }
 }
 
-/// The parts that the square does not cover, without rounding and the tips of slanted corners.
+/// Returns the parts that the square does not cover, without rounding and the tips of slanted corners.
 fn thin(uncovered: &Area, half: i32, slant: Slant) -> Area {
     let is_long = |piece: &Vec<PlaneOutline>| {
         let bounds = Area::from_piece(piece).bounds();

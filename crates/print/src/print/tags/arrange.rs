@@ -1,27 +1,27 @@
-//! What each tag of a scene is printed on, by where it stands.
+//! Arrangement of a scene's tags: the kind of print for each, by its pose.
 
 use super::tent::Tent;
 use scaleproof_pose::scene::{Scene, Tag};
 
-/// A tag that looks up and is no higher than this lies on the mat.
+/// Maximum height of an upward-facing tag on the mat.
 pub const FLAT_MM: f64 = 2.0;
-/// How far from straight up a tag on the mat may look.
+/// Maximum angle between the normal of a tag on the mat and straight up.
 const FLAT_DEG: f64 = 0.5;
-/// A flat tag higher than this is not quite where the mat puts it.
+/// Height above which a flat tag is noticeably displaced by the mat.
 const LIFT_MM: f64 = 0.2;
 
-/// The tags of a scene, by what they are printed on; each tag is in one place.
+/// Tags of a scene by their kind of print; each tag is in one list.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Arrangement<'a> {
-    /// On the ground mat: they look straight up and lie on the ground (within [`FLAT_MM`]).
+    /// Tags on the ground mat: they face straight up and lie on the ground (within [`FLAT_MM`]).
     pub flat: Vec<&'a Tag>,
-    /// Pairs that lean back to back, as [`Tent::new`] says.
+    /// Pairs that lean back to back, as required by [`Tent::new`].
     pub tents: Vec<Tent>,
-    /// Everything else: a plain card, to be fixed where the scene says.
+    /// All others: on plain cards, to be fixed at their places in the scene.
     pub cards: Vec<&'a Tag>,
 }
 
-/// Sorts the tags of a scene. Of all pairs that could share a card the closest is made first, whatever the scene's order.
+/// Sorts the tags of a scene. Of all pairs that could share a card the closest is formed first, regardless of the scene's order.
 pub fn arrange(scene: &Scene) -> Arrangement<'_> {
     let (flat, mut rest): (Vec<&Tag>, Vec<&Tag>) = scene.tags.iter().partition(|tag| lies_flat(tag));
     let mut pairs: Vec<(f64, usize, usize, Tent)> = Vec::new();
@@ -62,7 +62,7 @@ impl<'a> Arrangement<'a> {
         }
     }
 
-    /// How far above the mat the scene puts the flat tag that is farthest from it, if that is worth a word.
+    /// Returns the height of the flat tag farthest from the mat, if it exceeds `LIFT_MM`.
     pub fn lifted_mm(&self) -> Option<f64> {
         let heights = self.flat.iter().map(|tag| tag.centre_mm.z);
         heights

@@ -1,4 +1,4 @@
-//! Draws cards: plain ones, one tag each, upright, inside a cut line; tent cards, cut lines solid, fold lines dashed, a tag on each face.
+//! Drawing of cards: plain ones, one tag each, upright, inside a cut line; tent cards, cut lines solid, fold lines dashed, a tag on each face.
 
 use super::piece::CutPiece;
 use super::tent::{FlatTag, Fold, Net, SIDE_MM, Tent};
@@ -10,13 +10,13 @@ use scaleproof_pose::scene::Tag;
 use scaleproof_pose::tags::TagImage;
 
 const TEXT_MM: f64 = 3.0;
-/// Below the tag of a plain card, for its name.
+/// Height of the strip below the tag of a plain card, for its name.
 const STRIP_MM: f64 = 7.0;
 const PLAIN_UP_MM: f64 = 3.0;
 const TITLE_MM: f64 = 7.0;
 const LEADING_MM: f64 = 4.2;
 const UP_MM: f64 = 4.0;
-/// The mark at the middle of a face's foot; the tag's white ring begins above it.
+/// Length of the mark at the middle of a face's foot; the tag's white ring begins above it.
 const MIDDLE_MM: f64 = 1.5;
 const DASH_MM: (f64, f64) = (3.0, 2.0);
 
@@ -57,7 +57,7 @@ fn plain_marks(tag: &Tag, image: &TagImage, at: PointMm) -> Vec<Mark> {
     marks
 }
 
-/// The cards of some tents; tent `i` is called T`i + 1`.
+/// Returns the cards of some tents; tent `i` is named T`i + 1`.
 pub fn tents(tents: &[Tent]) -> Vec<CutPiece<'_>> {
     let piece = |(i, tent): (usize, &'_ Tent)| {
         let (net, tent) = (tent.net(), tent.clone());
@@ -73,7 +73,7 @@ pub fn tents(tents: &[Tent]) -> Vec<CutPiece<'_>> {
     tents.iter().enumerate().map(piece).collect()
 }
 
-/// All marks of one card whose flat frame begins at `at` on the page.
+/// Draws one card whose flat frame begins at `at` on the page.
 fn tent_marks(number: usize, tent: &Tent, net: &Net, at: PointMm) -> Result<Vec<Mark>, TagPrintError> {
     let mut marks = Vec::new();
     for flat in &net.tags {
@@ -95,7 +95,7 @@ fn tag_marks(flat: &FlatTag, net: &Net, at: PointMm) -> Result<Mark, TagPrintErr
     let centre = PointMm::new(at.x_mm + flat.centre_mm.x, at.y_mm + flat.centre_mm.y);
     let place = TagPlacement::new(&image, flat.tag.size_mm, centre, flat.right.into());
     let mut outlines = black_modules(image.modules(), &place);
-    // The up mark stands beside the tag, half way into the free strip of the card.
+    // The up mark is beside the tag, in the middle of the card's free strip.
     let mark = TagPlacement {
         centre: PointMm::new(at.x_mm + net.width_mm - SIDE_MM / 2.0, place.centre.y_mm),
         ..place
@@ -104,7 +104,7 @@ fn tag_marks(flat: &FlatTag, net: &Net, at: PointMm) -> Result<Mark, TagPrintErr
     Ok(Mark::black(outlines))
 }
 
-/// The card's name and the tag's id, in the strip to the left of the tag.
+/// Draws the card's name and the tag's id, in the strip to the left of the tag.
 fn face_text(number: usize, flat: &FlatTag, at: PointMm) -> Vec<Mark> {
     let lines = [format!("T{number}"), "id".to_owned(), flat.tag.id.to_string()];
     let x = at.x_mm + SIDE_MM / 2.0;
@@ -116,7 +116,7 @@ fn face_text(number: usize, flat: &FlatTag, at: PointMm) -> Vec<Mark> {
     lines.into_iter().enumerate().map(place).collect()
 }
 
-/// What the card is, on the side it stands on.
+/// Draws the description of the card on its base.
 fn base_text(number: usize, tent: &Tent, net: &Net, at: PointMm) -> Vec<Mark> {
     let [a, b] = &tent.tags;
     let family = |tag: &Tag| format!("{} · {} mm", tag.family.name(), mm(tag.size_mm));
@@ -148,7 +148,7 @@ fn mm(value: f64) -> String {
     number((value * 100.0).round() / 100.0)
 }
 
-/// Cut lines around the card, fold lines across it.
+/// Draws cut lines around the card, fold lines across it.
 fn lines(net: &Net, at: PointMm) -> Vec<Mark> {
     let page = |[x, y]: [f64; 2]| PointMm::new(at.x_mm + x, at.y_mm + y);
     let line = |from, to, dash_mm| Mark::stroke([page(from), page(to)], LINE_MM, dash_mm, BLACK);
@@ -157,7 +157,7 @@ fn lines(net: &Net, at: PointMm) -> Vec<Mark> {
     let folds = net.folds.map(fold);
     let around = [tab[0], tab[1], tab[2], [w, h], [0.0, h], tab[3]];
     let cuts = sides(&around).map(|(from, to)| line(*from, *to, None));
-    // Where a face meets the ground: its middle, which belongs to the mark on the ground.
+    // Middles of the faces' feet, to be aligned with the marks on the ground.
     let feet = [(net.folds[0].y_mm, MIDDLE_MM), (net.folds[2].y_mm, -MIDDLE_MM)];
     let middles = feet.map(|(y, up)| line([w / 2.0, y], [w / 2.0, y + up], None));
     cuts.chain(folds).chain(middles).collect()

@@ -1,7 +1,7 @@
-//! Where cards go that are set up with a ruler: the scene from above to scale, and a table of every card's place.
+//! Floor plan of cards that are set up with a ruler: the scene from above to scale, and a table of the cards' places.
 //!
-//! Lengths are millimetres of the model frame (x front, y left, origin under the model's centre); directions count from the model's
-//! front, counter-clockwise from above.
+//! Lengths are millimetres of the model frame (x front, y left, origin under the model's centre); directions count from the model's front,
+//! counter-clockwise from above.
 
 use nalgebra::Vector3;
 
@@ -18,21 +18,21 @@ const TEXT_MM: f64 = 2.6;
 const LEADING_MM: f64 = 4.0;
 const LINE_MM: f64 = 0.25;
 const GAP_MM: f64 = 4.0;
-/// What of the first page the drawing may take.
+/// Maximum share of the first page for the drawing.
 const DRAWING_SHARE: f64 = 0.55;
-/// On the page, how far a card's line towards the side it faces is drawn, and its id beyond that.
+/// Length on the page of a card's line towards the side it faces, and the distance of its id beyond that.
 const POINTER_MM: f64 = 4.0;
 const ID_MM: f64 = 2.4;
-/// A card that looks up within this shows its top instead of the side it faces.
+/// Maximum tilt from horizontal at which a card shows its top instead of the side it faces.
 const FLAT_DEG: f64 = 0.5;
-/// Length of a roll's page that may be used.
+/// Usable length of a roll's page.
 const ROLL_MM: f64 = 400.0;
-/// One to this much smaller.
+/// Denominators of the drawing's scale.
 const SCALES: [f64; 22] = [
     1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.5, 8.0, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0, 40.0, 50.0, 75.0, 100.0,
     200.0, 500.0,
 ];
-/// Columns: heading, and its right edge from the left of the table. The first is the card's name.
+/// Columns: heading, and right edge from the left of the table. The first is the card's name.
 const COLUMNS: [(&str, f64); 10] = [
     ("id", 22.0),
     ("x", 38.0),
@@ -51,15 +51,15 @@ const LEGEND: [&str; 3] = [
     "flat one points; 0° is the front, 90° the left. tilt: 0° lies flat, 90° is upright. turned: counter-clockwise in its plane from upright.",
 ];
 
-/// A card's place in words of a ruler and a protractor.
+/// Place of a card, as measured with a ruler and a protractor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FloorPlace {
-    /// Where the card faces, or where its top points when it lies flat.
+    /// Azimuth that the card faces, or of its top if it lies flat.
     pub heading_deg: f64,
     pub lies_flat: bool,
-    /// Between the card and the ground.
+    /// Angle between the card and the ground.
     pub tilt_deg: f64,
-    /// Counter-clockwise in the card's plane, from upright.
+    /// Rotation in the card's plane, counter-clockwise from upright.
     pub turned_deg: f64,
 }
 
@@ -69,7 +69,7 @@ impl FloorPlace {
         let azimuth = |v: &Vector3<f64>| v.y.atan2(v.x).to_degrees().rem_euclid(360.0);
         let tilt_deg = normal.z.clamp(-1.0, 1.0).acos().to_degrees();
         let lies_flat = tilt_deg < FLAT_DEG;
-        // Straight up the card, as far as its plane allows.
+        // Direction straight up within the card's plane.
         let upright = (Vector3::z() - normal * normal.z).try_normalize(1e-9);
         let turned = upright.filter(|_| !lies_flat).map_or(0.0, |upright| {
             let left = normal.cross(&upright);
@@ -84,7 +84,7 @@ impl FloorPlace {
     }
 }
 
-/// The pages: the drawing and the table, which runs on over as many as it needs.
+/// Draws the pages: the drawing and the table, which continues over as many as it needs.
 pub fn sheets(tags: &[&Tag], scene: &Scene, media: Media) -> Result<Vec<Sheet>, TagPrintError> {
     if tags.is_empty() {
         return Ok(Vec::new());
@@ -106,7 +106,7 @@ pub fn sheets(tags: &[&Tag], scene: &Scene, media: Media) -> Result<Vec<Sheet>, 
         let (table, rest) = table(left, scene, RectMm { top_mm: top, ..body });
         marks.extend(table);
         pages.push(std::mem::take(&mut marks));
-        // A page on which not one row has room would repeat itself for ever.
+        // Stops if a page has room for not even one row, which would repeat forever.
         if rest.is_empty() || (rest.len() == left.len() && pages.len() > 1) {
             break;
         }
@@ -121,18 +121,18 @@ pub fn sheets(tags: &[&Tag], scene: &Scene, media: Media) -> Result<Vec<Sheet>, 
     Ok(pages.into_iter().enumerate().map(sheet).collect())
 }
 
-/// What page `i` (from 0) is called.
+/// Returns the name of page `i` (from 0).
 pub fn name(i: usize) -> String {
     format!("floor plan {}", i + 1)
 }
 
-/// The scene from above in the upper part of some room, and where it ends below.
+/// Draws the scene from above in the upper part of an area; returns the marks and the drawing's lower end.
 fn drawing(tags: &[&Tag], scene: &Scene, room: RectMm) -> (Vec<Mark>, f64) {
     let [length, width, _] = scene.model.size_mm;
     let model = RectMm::new(-length / 2.0, -width / 2.0, length / 2.0, width / 2.0);
     let feet = tags.iter().map(|tag| RectMm::around(&foot(tag)));
     let shown = feet.fold(model.grown(ARROW_MM), RectMm::union);
-    // What the ids take beyond the cards, on the page.
+    // Room for the ids beyond the cards, on the page.
     let edge = POINTER_MM + 3.0 * ID_MM;
     let (wide, high) = (
         room.width_mm() - 2.0 * edge,
@@ -152,7 +152,7 @@ fn drawing(tags: &[&Tag], scene: &Scene, room: RectMm) -> (Vec<Mark>, f64) {
     (marks, below - LEADING_MM)
 }
 
-/// The model's outline with an arrow at its front and a cross in its middle, and the two axes.
+/// Draws the model's outline with an arrow at its front and a cross in its middle, and the two axes.
 fn model_marks(model: RectMm, window: &GroundWindow) -> Vec<Mark> {
     let on_page = |x: f64, y: f64| window.on_page(PointMm::new(x, y));
     let front = model.right_mm + 2.0;
@@ -174,7 +174,7 @@ fn model_marks(model: RectMm, window: &GroundWindow) -> Vec<Mark> {
     ]
 }
 
-/// A card from above, a line to the side it faces, and its id there.
+/// Draws a card from above, a line to the side it faces, and its id there.
 fn card(tag: &Tag, window: &GroundWindow) -> Vec<Mark> {
     let heading = FloorPlace::from_tag(tag).heading_deg.to_radians();
     let (dx, dy) = (heading.cos(), heading.sin());
@@ -189,12 +189,12 @@ fn card(tag: &Tag, window: &GroundWindow) -> Vec<Mark> {
     ]
 }
 
-/// A tag's black square on the ground, seen from above.
+/// Returns a tag's black square projected onto the ground.
 fn foot(tag: &Tag) -> OutlineMm {
     tag.corners_mm().map(|p| PointMm::new(p.x, p.y)).to_vec()
 }
 
-/// A bar of a round length, and what the drawing's scale is.
+/// Draws a bar of a round length, with the drawing's scale.
 fn scale_bar(one_to: f64, (x, y): (f64, f64)) -> Vec<Mark> {
     let mut lengths = [50.0, 100.0, 200.0, 500.0, 1000.0, 5000.0].into_iter();
     let length = lengths.find(|length| length / one_to >= 20.0).unwrap_or(20_000.0);
@@ -212,7 +212,7 @@ fn scale_bar(one_to: f64, (x, y): (f64, f64)) -> Vec<Mark> {
     ]
 }
 
-/// As many rows as have room, and the tags that are left.
+/// Draws as many rows as fit; returns the marks and the remaining tags.
 fn table<'t, 's>(tags: &'t [&'s Tag], scene: &Scene, room: RectMm) -> (Vec<Mark>, &'t [&'s Tag]) {
     let mut marks = Vec::new();
     let mut y = room.top_mm - CAP_HEIGHT * TEXT_MM;
@@ -267,7 +267,7 @@ fn cells(tag: &Tag, scene: &Scene) -> [String; 10] {
     ]
 }
 
-/// One decimal, and no minus before nothing.
+/// Formats one decimal, without a minus before zero.
 fn tenth(value: f64) -> String {
     let rounded = (value * 10.0).round() / 10.0;
     format!("{:.1}", if rounded == 0.0 { 0.0 } else { rounded })

@@ -1,6 +1,6 @@
-//! How the ground is spread over paper: which sheets the mat has, where their seams are, and which tent cards get a place strip.
+//! Layout of the ground on paper: the sheets of the mat, their seams, and the tent cards with place strips.
 //!
-//! Of all ways the one with the least paper is taken; of those the one that cuts the fewest tags; of those the one with the fewest strips.
+//! Of all layouts the one with the least paper is chosen; of those the one that cuts the fewest tags; of those the one with the fewest strips.
 
 use super::arrange::Arrangement;
 use super::mat::Mat;
@@ -15,25 +15,25 @@ use crate::print::shapes::{clipped, stroked};
 use crate::print::sheet::RectMm;
 use crate::print::template::{MAX_SHEETS, SheetLayout, SheetPlan, TemplateRect};
 
-/// What neighbouring sheets share for gluing.
+/// Overlap of neighbouring sheets for gluing.
 const OVERLAP_MM: f64 = 8.0;
-/// Shorter strips find room beside tent cards.
+/// Length up to which strips fit beside tent cards.
 const SHORT_MM: f64 = 178.0;
 
-/// The mat on its sheets, and the strips beyond it.
+/// The mat with its sheets, and the strips beyond it.
 #[derive(Debug, Clone)]
 pub struct Ground {
     pub mat: Mat,
     pub layout: SheetLayout,
-    /// All sheets together, left out ones too (ground frame).
+    /// Area of all sheets together, including those left out (ground frame).
     pub paper: RectMm,
     pub strips: Vec<PlaceStrip>,
-    /// Ids of the flat tags that a seam runs through.
+    /// Ids of the flat tags cut by a seam.
     pub cut_tags: Vec<u32>,
 }
 
 impl Ground {
-    /// The best way to print the ground of a scene; `others` are the sizes of what else is cut out of cards.
+    /// Chooses the best layout of the ground of a scene; `others` are the sizes of the other pieces to cut out.
     pub fn new(
         mat: Mat,
         arrangement: &Arrangement,
@@ -60,7 +60,7 @@ impl Ground {
             }
         }
         let (_, mut best) = best.ok_or(refused)?;
-        // The outline of each strip's root is on the mat.
+        // The outline of each strip's root is drawn on the mat.
         for strip in &best.strips {
             let name = format!("strip T{}", strip.tent + 1);
             best.mat.add_outline(&strip.outline(), strip.name_at(), name);
@@ -68,7 +68,7 @@ impl Ground {
         Ok(best)
     }
 
-    /// On one paper, used one way round. Tent cards that no strip reaches stand on the mat, which grows for them.
+    /// Lays the ground out on one paper in one orientation. Tent cards that no strip reaches stand on the mat, which is enlarged for them.
     fn on(
         page: PageFrame,
         mat: &Mat,
@@ -105,7 +105,7 @@ impl Ground {
         }
     }
 
-    /// Leaves out every sheet that carries nothing, as long as the others hang together.
+    /// Leaves out every empty sheet, as long as the others stay connected.
     fn without_empty_sheets(mut self) -> Self {
         let roots = self.strips.iter().flat_map(|strip| stroked(&strip.root(), 0.1));
         let roots: Vec<_> = roots.collect();
@@ -124,7 +124,7 @@ impl Ground {
         self
     }
 
-    /// What the sheets are called, in their order.
+    /// Returns the names of the sheets, in their order.
     pub fn names(&self) -> Vec<String> {
         self.layout.sheets.iter().map(SheetPlan::id).collect()
     }
@@ -143,7 +143,7 @@ fn on_ground(paper: RectMm, region: TemplateRect) -> RectMm {
     )
 }
 
-/// The sheets for some content of the mat, and where all of them together lie on the ground.
+/// Returns the sheets for some content of the mat, and the area of all of them together on the ground.
 fn tiled(page: PageFrame, media: Media, mat: &Mat, content: RectMm) -> Result<(SheetLayout, RectMm), TagPrintError> {
     let tags: Vec<RectMm> = mat.tags.iter().map(|(_, tag)| RectMm::around(tag)).collect();
     let (wide, high) = page.usable_size();
@@ -191,7 +191,7 @@ fn tiled(page: PageFrame, media: Media, mat: &Mat, content: RectMm) -> Result<(S
     Ok((layout, RectMm::new(left, -bottom, right, -top)))
 }
 
-/// The flat tags that lie on no sheet wholly.
+/// Returns the flat tags that do not lie wholly on any sheet.
 fn cut_tags(mat: &Mat, layout: &SheetLayout, paper: RectMm) -> Vec<u32> {
     let is_on = |plan: &SheetPlan, tag: RectMm| tag.is_within(&on_ground(paper, plan.own));
     let is_cut = |tag: RectMm| !layout.sheets.iter().any(|plan| is_on(plan, tag));
@@ -199,7 +199,7 @@ fn cut_tags(mat: &Mat, layout: &SheetLayout, paper: RectMm) -> Vec<u32> {
     cut.map(|(id, _)| *id).collect()
 }
 
-/// Whether one can step from every sheet to every other across seams.
+/// Returns true if the sheets are connected across seams.
 fn hang_together(sheets: &[SheetPlan]) -> bool {
     let mut reached: Vec<usize> = sheets.first().map(|_| 0).into_iter().collect();
     let mut next = 0;
@@ -214,7 +214,7 @@ fn hang_together(sheets: &[SheetPlan]) -> bool {
     !sheets.is_empty() && reached.len() == sheets.len()
 }
 
-/// What a way to print the ground costs: sheets (of a roll, mm²), tags that are cut, strips.
+/// Cost of a layout of the ground: sheets (of a roll, mm²), tags that are cut, strips.
 type Cost = (f64, usize, usize);
 
 impl Ground {

@@ -1,5 +1,5 @@
-//! Draws the ground: the sheets of the mat, put together as those of the tiled template (cut at the crop marks, each sheet's strip beyond the
-//! dashed line goes under the next), and the place strips, each the ground as it is seen through the strip.
+//! Drawing of the ground: the sheets of the mat, assembled as those of the tiled template (cut at the crop marks, each sheet's strip beyond the
+//! dashed line goes under the next), and the place strips, each a window onto the ground drawing.
 
 use super::ground::Ground;
 use super::mat::GroundWindow;
@@ -12,12 +12,12 @@ use crate::print::template::{SheetPlan, guides};
 use scaleproof_plot::lettering::width_mm;
 use scaleproof_pose::scene::Scene;
 
-/// A strip's name and its other text, and what is marked at its edges.
+/// Font sizes of a strip's name and its other text, and the distance of text from its edges.
 const NAME_MM: f64 = 6.0;
 const TEXT_MM: f64 = 2.4;
 const EDGE_MM: f64 = 2.0;
 
-/// The pages of the mat, row by row from the top left.
+/// Draws the pages of the mat, row by row from the top left.
 pub fn sheets(ground: &Ground, scene: &Scene, media: Media) -> Vec<Sheet> {
     let page = ground.layout.frame;
     let how_to = [
@@ -41,7 +41,7 @@ fn mat_marks(ground: &Ground, plan: &SheetPlan) -> Vec<Mark> {
         let at = window.on_page(label.at);
         let half = 0.5 * width_mm(&label.text, label.size_mm);
         let room = RectMm::new(at.x_mm - half, at.y_mm, at.x_mm + half, at.y_mm + label.size_mm);
-        // A text across a cut stands on both sheets, so that it is whole once they are glued.
+        // A text across a cut is on both sheets, so that it is complete once they are glued.
         if overlap(&room, &plan.trim) {
             let text = Mark::text(at, label.size_mm, TextAnchor::Centre, label.text.as_str());
             marks.push(Mark::clipped(plan.printed, vec![text]));
@@ -70,7 +70,7 @@ fn strip_marks(strip: &PlaceStrip, ground: &Ground, at: PointMm) -> Vec<Mark> {
     let area = strip.area(at);
     let mut marks = ground.mat.marks(&strip.window(at), area);
     let name = format!("T{}", strip.tent + 1);
-    // Between what is glued and what lies beneath the card.
+    // Free part between the glued root and the end beneath the card.
     let free = (area.left_mm + strip.root_mm, area.right_mm - strip.under_mm);
     let middle = ((free.0 + free.1) / 2.0, area.middle().1);
     let size = (NAME_MM, (free.1 - free.0 - 2.0).max(2.0));

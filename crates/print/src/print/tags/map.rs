@@ -1,4 +1,4 @@
-//! The first page: what to do in which order, where every sheet belongs, and the scale check that is filled in by hand.
+//! First page: the steps in order, the map of all sheets, and the scale check that is filled in by hand.
 
 use super::ground::Ground;
 use super::mat::{GREY, GroundWindow};
@@ -14,16 +14,16 @@ use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm, printable};
 use scaleproof_pose::scene::Scene;
 
 const GAP_MM: f64 = 4.0;
-/// The map is no larger than it takes to be read.
+/// Maximum size of the map, enough to read it.
 const MAP_MOST_MM: f64 = 150.0;
 const SHEET_ID_MM: f64 = 5.0;
 const NAME_MM: f64 = 2.6;
 const LINE_MM: f64 = 0.25;
 const THIN_MM: f64 = 0.12;
 const PAPER: Srgb8 = [238, 238, 238];
-/// Small images of the pages with cards: their height, at most and at least.
+/// Height of the thumbnails of pages with cards.
 const THUMBNAIL_MM: std::ops::RangeInclusive<f64> = 8.0..=34.0;
-/// What of the page's height they may take.
+/// Maximum share of the page height for the thumbnails.
 const THUMBNAIL_SHARE: f64 = 0.45;
 
 pub struct TagMap<'a> {
@@ -32,7 +32,7 @@ pub struct TagMap<'a> {
     pub arrangement: &'a Arrangement<'a>,
     pub ground: Option<&'a Ground>,
     pub cards: &'a [PiecePage],
-    /// Names of all sheets but this one, in their order: floor plan, cards, mat.
+    /// Names of all other sheets, in their order: floor plan, cards, mat.
     pub plan_names: &'a [String],
     pub card_names: &'a [String],
 }
@@ -61,7 +61,7 @@ impl TagMap<'_> {
         marks
     }
 
-    /// What to do, in plain words.
+    /// Returns the steps, in plain words.
     fn steps(&self) -> Vec<String> {
         let mat = self.mat_names();
         let all = 1 + self.plan_names.len() + self.card_names.len() + mat.len();
@@ -113,7 +113,7 @@ impl TagMap<'_> {
         self.ground.map(Ground::names).unwrap_or_default()
     }
 
-    /// The ground with the sheets of the mat behind it.
+    /// Draws the ground with the sheets of the mat behind it.
     fn ground_map(&self, ground: &Ground, room: RectMm) -> Vec<Mark> {
         let strips: Vec<OutlineMm> = ground.strips.iter().map(super::strip::PlaceStrip::outline).collect();
         let all = ground.paper.union(ground.mat.whole());
@@ -137,7 +137,7 @@ impl TagMap<'_> {
         marks
     }
 
-    /// Model, tags, tent cards and strips.
+    /// Draws model, tags, tent cards and strips.
     fn things(&self, ground: &Ground, window: &GroundWindow, strips: &[OutlineMm]) -> Vec<Mark> {
         let model = ground.mat.model.iter().map(|outline| window.outline(outline));
         let mut marks = vec![area(model.collect(), GREY)];
@@ -161,7 +161,7 @@ impl TagMap<'_> {
         marks
     }
 
-    /// Every page of the floor plan and of cards, small; and where they end at the top.
+    /// Draws thumbnails of every page of the floor plan and of cards; returns the marks and their upper end.
     fn thumbnails(&self, room: RectMm) -> (Vec<Mark>, f64) {
         let names: Vec<&String> = self.plan_names.iter().chain(self.card_names).collect();
         let Some(shape) = self.cards.first().map(|page| page.page.page) else {
@@ -221,7 +221,7 @@ fn paper(cell: RectMm) -> [Mark; 2] {
     [Mark::fill(cell, PAPER), outline]
 }
 
-/// `mat A1 to C2`, or the only name.
+/// Returns a range of names as `mat A1 to C2`, or the only name.
 fn span(names: &[String]) -> Option<String> {
     match names {
         [] => None,

@@ -1,8 +1,7 @@
-//! The ground mat: what lies and stands on the table, seen from above. Geometry only, in the ground frame;
-//! [`super::ground`] spreads it over paper.
+//! Ground mat: everything on the table, seen from above. Geometry only, in the ground frame; [`super::ground`] distributes it over paper.
 //!
-//! *Ground frame*: the ground seen from above, the model's front to the right: x and y of the model frame, millimetres. A window onto it shows
-//! the same drawing on a sheet of the mat, on a place strip, and on the map.
+//! *Ground frame*: the ground seen from above, the model's front to the right: x and y of the model frame, millimetres. Windows onto it show the same
+//! drawing on a sheet of the mat, on a place strip, and on the map.
 
 use nalgebra::Point3;
 
@@ -15,28 +14,28 @@ use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm, number, printable}
 use scaleproof_pose::scene::{ScaleModel, Scene, Tag};
 
 pub const GREY: Srgb8 = [110, 110, 110];
-/// Free paper around everything.
+/// Width of the free border around everything.
 const BORDER_MM: f64 = 8.0;
 pub const LINE_MM: f64 = 0.4;
 const TEXT_MM: f64 = 4.0;
 const TITLE_MM: f64 = 8.0;
 const UP_MM: f64 = 4.0;
-/// Length and width of the arrow at the model's front.
+/// Length of the arrow at the model's front.
 pub const ARROW_MM: f64 = 18.0;
 
-/// Everything on the mat, in painting order.
+/// All shapes on the mat, in painting order.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mat {
     pub shapes: Vec<GroundShape>,
     pub labels: Vec<Label>,
-    /// What each thing is called and the ground it needs: tags with their white ring.
+    /// Name and required ground of each object: tags with their white ring.
     footprints: Vec<(String, OutlineMm)>,
-    /// The model's outline, cross and arrow.
+    /// Outline, cross and arrow of the model.
     pub model: Vec<OutlineMm>,
-    /// The model and the flat tags, with a border.
+    /// Bounds of the model and the flat tags, with a border.
     pub core: RectMm,
     pub tents: Vec<RectMm>,
-    /// The flat tags with their white rings, by id.
+    /// Flat tags with their white rings, by id.
     pub tags: Vec<(u32, OutlineMm)>,
 }
 
@@ -56,7 +55,7 @@ pub struct Label {
 }
 
 impl Mat {
-    /// The mat of a scene: the model's outline, the flat tags, and an outline for each tent card.
+    /// Creates the mat of a scene: the model's outline, the flat tags, and an outline for each tent card.
     pub fn new(scene: &Scene, arrangement: &Arrangement) -> Result<Mat, TagPrintError> {
         let mut mat = Mat::default();
         mat.add_model(&scene.model);
@@ -71,7 +70,7 @@ impl Mat {
         Ok(mat)
     }
 
-    /// Things that stand on each other, or closer than a tag's white ring, by their names.
+    /// Returns the names of objects that overlap, or are closer than a tag's white ring.
     pub fn overlaps(&self) -> impl Iterator<Item = [String; 2]> {
         let pairs = (0..self.footprints.len()).flat_map(|i| (i + 1..self.footprints.len()).map(move |j| (i, j)));
         pairs
@@ -133,7 +132,7 @@ impl Mat {
         let size_mm = TITLE_MM.min(tent.base_mm / 4.0);
         self.label((middle.x, middle.y), size_mm, format!("T{number}"));
         for (tag, ends) in tent.tags.iter().zip([[a_left, a_right], [b_right, b_left]]) {
-            // Just inside the foot of the face that carries the tag.
+            // Slightly inside the foot of the face that carries the tag.
             let at = nalgebra::center(&ends[0], &ends[1]);
             let at = at + (middle - at).normalize() * (1.2 * size_mm);
             self.label((at.x, at.y), (0.5 * size_mm).max(2.0), format!("id {}", tag.id));
@@ -149,7 +148,7 @@ impl Mat {
         self.tents.iter().copied().fold(self.core, RectMm::union)
     }
 
-    /// What is seen of the shapes through a window, inside a rectangle of the page.
+    /// Returns the parts of the shapes visible through a window, clipped to a rectangle of the page.
     pub fn marks(&self, window: &GroundWindow, to: RectMm) -> Vec<Mark> {
         let seen = |shape: &GroundShape| {
             let (outlines, colour) = (window.clipped(&shape.outlines, to), shape.colour);
@@ -158,7 +157,7 @@ impl Mat {
         self.shapes.iter().filter_map(seen).collect()
     }
 
-    /// Adds grey lines around an outline, and its name in the middle.
+    /// Draws grey lines along an outline, and its name in the middle.
     pub fn add_outline(&mut self, outline: &[PointMm], at: PointMm, name: String) {
         self.shapes.push(GroundShape {
             outlines: stroked(outline, LINE_MM),
@@ -177,19 +176,19 @@ fn level_unit(x: f64, y: f64) -> [f64; 2] {
     [x / length, y / length]
 }
 
-/// Which point of the ground lies where on a page, how it is turned, and how much smaller it is drawn.
+/// Similarity transform from the ground to a page: translation, rotation and scale.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GroundWindow {
     pub centre: PointMm,
-    /// Where `centre` lies on the page.
+    /// Position of `centre` on the page.
     pub at: PointMm,
-    /// Unit vector of the ground that runs to the right on the page.
+    /// Unit vector of the ground that points right on the page.
     pub right: [f64; 2],
     pub scale: f64,
 }
 
 impl GroundWindow {
-    /// A window with the model's front to the right.
+    /// Returns a window with the model's front to the right.
     pub fn level(centre: (f64, f64), at: (f64, f64), scale: f64) -> Self {
         Self {
             centre: centre.into(),
@@ -212,7 +211,7 @@ impl GroundWindow {
         outline.iter().map(|p| self.on_page(*p)).collect()
     }
 
-    /// What is seen of some outlines inside a rectangle of the page.
+    /// Returns the parts of outlines visible inside a rectangle of the page.
     pub fn clipped(&self, outlines: &[OutlineMm], to: RectMm) -> Vec<OutlineMm> {
         let seen = outlines.iter().map(|outline| clipped(&self.outline(outline), to));
         seen.filter(|outline| outline.len() > 2).collect()

@@ -1,6 +1,6 @@
-//! The tags of a scene on paper: tent cards to cut and fold, a ground mat with the flat tags, and plain cards.
+//! Tags of a scene on paper: tent cards to cut and fold, a ground mat with the flat tags, and plain cards.
 //!
-//! What a tag is printed on follows from where it stands ([`arrange`]).
+//! The kind of print follows from a tag's pose ([`arrange`]).
 
 mod arrange;
 mod cards;
@@ -28,12 +28,12 @@ use scaleproof_plot::lettering::number;
 use scaleproof_pose::scene::{Scene, Tag};
 use scaleproof_pose::tags::TagImage;
 
-/// Smaller modules than this come out of an office printer as mush (about 5 dots at 600 dpi).
+/// Minimum size of a module; smaller ones are illegible from an office printer (about 5 dots at 600 dpi).
 const MIN_MODULE_MM: f64 = 0.2;
-/// The thickness of cut and fold lines.
+/// Width of cut and fold lines.
 const LINE_MM: f64 = 0.2;
 
-/// Why no tags were printed.
+/// Reason why no tags were printed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TagPrintError {
     #[error(transparent)]
@@ -74,13 +74,13 @@ impl fmt::Display for Instead {
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum TagNote {
-    /// The mat puts tags at 0 that the scene has at this height.
+    /// The mat has tags at height 0 that the scene has at this height.
     Lowered {
         height_mm: f64,
     },
-    /// What overlaps on the mat.
+    /// Names of two objects that overlap on the mat.
     Overlap([String; 2]),
-    /// Seams of the mat run through these tags.
+    /// Ids of tags cut by the mat's seams.
     CutTags(Vec<u32>),
     PlaceStrips,
 }
@@ -112,9 +112,9 @@ impl fmt::Display for TagNote {
 #[derive(Debug, Clone, PartialEq)]
 pub struct TagRequest {
     pub media: Media,
-    /// Every tag as a plain card, whatever the scene does with it.
+    /// True to print every tag as a plain card, regardless of its pose.
     pub plain: bool,
-    /// The place of every tent card on the mat itself, however many sheets it takes.
+    /// True to draw the place of every tent card on the mat itself, regardless of the number of sheets.
     pub whole_mat: bool,
 }
 
@@ -122,7 +122,7 @@ pub struct TagRequest {
 pub struct TagSheets {
     /// The map, the floor plan of plain cards, cards and strips, then the mat.
     pub sheets: Vec<Sheet>,
-    /// What each sheet is called on the map, and in the name of its file.
+    /// Name of each sheet on the map, and in the name of its file.
     pub names: Vec<String>,
     pub contents: Vec<String>,
     pub cut_out: Vec<CutOut>,
@@ -130,12 +130,12 @@ pub struct TagSheets {
     pub notes: Vec<TagNote>,
 }
 
-/// A card or a strip on its sheet.
+/// Card or strip on its sheet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CutOut {
     pub name: String,
     pub sheet: usize,
-    /// Where it lies in true millimetres (page frame).
+    /// Its area in true millimetres (page frame).
     pub area: RectMm,
 }
 
@@ -286,7 +286,7 @@ fn image_of(tag: &Tag) -> Result<TagImage, TagPrintError> {
     Ok(image)
 }
 
-/// The lines at the foot of every page.
+/// Returns the lines at the foot of every page.
 fn captions(scene: &Scene, media: Media, how_to: [&str; 2]) -> Vec<String> {
     let (name, scale) = (&scene.model.name, number(scene.model.scale));
     let making = format!("scene {name} · scale 1:{scale} · {}", making(&media));

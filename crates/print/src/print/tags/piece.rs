@@ -1,4 +1,4 @@
-//! What is cut out of shared pages: tent cards, plain cards and place strips.
+//! Pieces to cut out of shared pages: tent cards, plain cards and place strips.
 
 use super::{Instead, TagPrintError};
 use crate::print::frame::PageFrame;
@@ -13,21 +13,21 @@ type Draw<'a> = Box<dyn Fn(PointMm) -> Result<Vec<Mark>, TagPrintError> + 'a>;
 pub struct CutPiece<'a> {
     pub size_mm: (f64, f64),
     pub name: String,
-    /// What an error calls it, and what else could be done then.
+    /// Name of the piece in errors; `instead` is the advice they give.
     pub what: String,
     pub instead: Instead,
-    /// Its marks, with its lower left corner at a place of the page.
+    /// Draws its marks, with its lower left corner at a point of the page.
     pub draw: Draw<'a>,
 }
 
 pub struct PiecePage {
     pub page: PageFrame,
     pub marks: Vec<Mark>,
-    /// What lies where: name and area.
+    /// Name and area of each piece on the page.
     pub names: Vec<(String, RectMm)>,
 }
 
-/// Spreads pieces over the fewest pages, the paper used upright or across.
+/// Distributes pieces over the fewest pages, with the paper upright or across.
 pub fn spread(pieces: &[CutPiece], media: Media) -> Result<Vec<PiecePage>, TagPrintError> {
     if pieces.is_empty() {
         return Ok(Vec::new());
@@ -46,7 +46,7 @@ pub fn spread(pieces: &[CutPiece], media: Media) -> Result<Vec<PiecePage>, TagPr
     }
     for (piece, spot) in pieces.iter().zip(&spots) {
         let on = &mut pages[spot.page];
-        // A page that was cut off a roll is lower than the one that was planned on.
+        // A page cut from a roll is lower than the planned one.
         let down = page.usable.top_mm - on.page.usable.top_mm;
         let at = PointMm::new(spot.at.x_mm, spot.at.y_mm - down);
         on.marks.extend((piece.draw)(at)?);
@@ -56,7 +56,7 @@ pub fn spread(pieces: &[CutPiece], media: Media) -> Result<Vec<PiecePage>, TagPr
     Ok(pages)
 }
 
-/// Where each piece lies.
+/// Returns the place of each piece.
 ///
 /// # Errors
 /// Paper too small for the rulers or for a piece.
@@ -71,7 +71,7 @@ pub fn placed(pieces: &[CutPiece], media: Media) -> Result<(PageFrame, Vec<Spot>
     packed(&sizes, media, name)
 }
 
-/// How many pages things of some sizes take.
+/// Returns the number of pages for pieces of some sizes.
 pub fn pages(sizes: &[(f64, f64)], media: Media) -> Result<usize, TagPrintError> {
     let unnamed = |_| ("a card".to_owned(), Instead::Nothing);
     Ok(count(&packed(sizes, media, unnamed)?.1))
@@ -89,7 +89,7 @@ fn packed(
     let mut best: Option<(PageFrame, Vec<Spot>)> = None;
     let mut refused = None;
     for page in media.both_ways()? {
-        // Things stand in rows across a roll, so that it can be cut off below the last one.
+        // Pieces stand in rows across a roll, so that it can be cut off below the last one.
         if page.setup.turned && matches!(media.paper, Stock::Roll { .. }) {
             continue;
         }

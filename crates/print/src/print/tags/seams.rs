@@ -1,32 +1,31 @@
-//! Where the ground mat is cut along one axis, so that no seam runs through a tag.
+//! Seams of the ground mat along one axis, placed so that they do not cut tags.
 
-/// More than this between a seam and a tag is no better.
+/// Clearance between a seam and a tag above which more is no improvement.
 const CLEAR_MM: f64 = 10.0;
-/// A sheet that shows less than this of the mat is a sliver.
+/// Minimum part of the mat on a sheet; less is a sliver.
 const SLIVER_MM: f64 = 10.0;
-/// How finely seams are moved, and at how many places at most.
+/// Step between candidate positions of a seam, and their maximum number.
 const STEP_MM: f64 = 0.5;
 const PLACES: f64 = 400.0;
-/// What a tag cut in two weighs against clearance, and clearance against an even grid.
+/// Cost weight of a cut tag relative to clearance, and of clearance relative to an even grid.
 const TAG_WEIGHT: f64 = 1e7;
 const CLEAR_WEIGHT: f64 = 1e3;
 
-/// One axis of the mat: what must be on it, and what a sheet has room for. Millimetres; the overlap is on a sheet's far side.
+/// Axis of the mat: its content, and the size of a sheet. Millimetres; the overlap is on a sheet's far side.
 #[derive(Debug, Clone)]
 pub struct SeamAxis {
     pub low_mm: f64,
     pub high_mm: f64,
-    /// Of one sheet.
+    /// Usable length of one sheet.
     pub usable_mm: f64,
     pub overlap_mm: f64,
-    /// From where to where no seam should run.
+    /// Intervals that no seam should cross.
     pub keep: Vec<(f64, f64)>,
 }
 
 impl SeamAxis {
-    /// The edges of the fewest sheets, the two outer ones among them, in rising order. Outer sheets reach as far as their paper does.
-    /// Of all places for the seams the ones that cut the fewest spans are taken, then those with most clearance, then the most
-    /// even ones.
+    /// Returns the edges of the fewest sheets, the two outer ones included, ascending. Outer sheets reach as far as their paper does. The seams
+    /// chosen cut the fewest intervals of `keep`; of those they have the most clearance, then the most even spacing.
     pub fn edges(&self) -> Vec<f64> {
         let sheets = self.sheets();
         if sheets == 1 {
@@ -44,12 +43,13 @@ impl SeamAxis {
         (exact - 1e-6 / self.usable_mm).ceil().max(1.0) as usize
     }
 
-    /// From a seam to the next, at most.
+    /// Returns the maximum distance between neighbouring seams.
     fn step(&self) -> f64 {
         self.usable_mm - self.overlap_mm
     }
 
-    /// The cheapest seams: for every place of a seam, the cheapest way there from a place of the seam before.
+    /// Returns the cheapest seams, by dynamic programming: for every position of a seam, the cheapest predecessor among the positions of the seam
+    /// before.
     fn seams(&self, sheets: usize) -> Vec<f64> {
         let places: Vec<Vec<f64>> = (1..sheets).map(|i| self.places(i, sheets)).collect();
         let mut ways: Vec<Vec<(f64, usize)>> = Vec::new();
@@ -78,7 +78,7 @@ impl SeamAxis {
         seams
     }
 
-    /// Where the seam after sheet `i` (from 1) may be; the even grid is always among the places, so there is one.
+    /// Returns the candidate positions of the seam after sheet `i` (from 1); the even grid's is always among them, so there is one.
     fn places(&self, i: usize, sheets: usize) -> Vec<f64> {
         let low = self.high_mm - self.usable_mm - (sheets - 1 - i) as f64 * self.step();
         let low = low.max(self.low_mm + SLIVER_MM);
@@ -89,7 +89,7 @@ impl SeamAxis {
         [self.even(i, sheets)].into_iter().chain(steps).collect()
     }
 
-    /// The seam after sheet `i` if all sheets were used to their ends, the mat in their middle.
+    /// Returns the seam after sheet `i` if all sheets were used to their ends, with the mat in their middle.
     fn even(&self, i: usize, sheets: usize) -> f64 {
         let whole = sheets as f64 * self.step() + self.overlap_mm;
         (self.low_mm + self.high_mm - whole) / 2.0 + i as f64 * self.step()
@@ -103,7 +103,7 @@ impl SeamAxis {
     }
 }
 
-/// From a seam to the nearest span; 0 within one.
+/// Returns the distance from a seam to the nearest interval; 0 within one.
 fn clearance(seam: f64, keep: &[(f64, f64)]) -> f64 {
     let from = |(low, high): &(f64, f64)| (low - seam).max(seam - high).max(0.0);
     keep.iter().map(from).fold(f64::INFINITY, f64::min)

@@ -1,5 +1,5 @@
-//! Place strips: where a tent card stands that is beyond the mat's paper. One end is glued onto its outline on the mat, the card
-//! stands on the other. A strip is a window onto the same drawing as the mat. Geometry only, in the ground frame of [`super::mat`].
+//! Place strips for tent cards beyond the mat's paper. One end is glued onto its outline on the mat, the card stands on the other. A strip is a
+//! window onto the same drawing as the mat. Geometry only, in the ground frame of [`super::mat`].
 
 use super::mat::{GroundWindow, Mat, on_mat};
 use super::tent::Tent;
@@ -7,33 +7,33 @@ use crate::print::shapes::{OutlineMm, TagPlacement, overlap};
 use crate::print::sheet::{PointMm, RectMm};
 
 pub const WIDTH_MM: f64 = 36.0;
-/// What of a strip lies beneath its card.
+/// Length of the part of a strip beneath its card.
 const UNDER_MM: f64 = 18.0;
-/// What lies on the mat: a shorter root would let the strip turn.
+/// Length of the part on the mat (root); a shorter one would let the strip turn.
 const ROOT_MM: std::ops::RangeInclusive<f64> = 30.0..=60.0;
-/// Between a strip and a flat tag.
+/// Gap between a strip and a flat tag.
 const CLEAR_MM: f64 = 1.0;
 const STEP_MM: f64 = 0.5;
-/// Paper around the foot of a card that stands on the mat.
+/// Width of paper around the foot of a card that stands on the mat.
 const FOOT_MM: f64 = 2.0;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlaceStrip {
-    /// Of the tent card, from 0.
+    /// Index of the tent card, from 0.
     pub tent: usize,
     pub length_mm: f64,
-    /// What is glued onto the mat.
+    /// Length of the part glued onto the mat.
     pub root_mm: f64,
-    /// What lies beneath the card.
+    /// Length of the part beneath the card.
     pub under_mm: f64,
     /// Its middle, and the direction from its root to the card.
     pub place: TagPlacement,
 }
 
-/// How a tent card finds its place.
+/// Means by which a tent card's place is marked.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Standing {
-    /// A whole foot of it is drawn on the mat.
+    /// One foot of the card is drawn completely on the mat.
     OnMat,
     OnStrip(PlaceStrip),
     /// No strip reaches it.
@@ -41,7 +41,7 @@ pub enum Standing {
 }
 
 impl Standing {
-    /// How a tent card around a mat on some paper finds its place; a strip is no longer than `most_mm`.
+    /// Chooses how the place of a tent card is marked around a mat on some paper; a strip is no longer than `most_mm`.
     pub fn new(number: usize, tent: &Tent, mat: &Mat, paper: RectMm, most_mm: f64) -> Standing {
         let [a_left, a_right, b_right, b_left] = tent.foot_mm().each_ref().map(on_mat);
         let feet = [[a_left, a_right], [b_right, b_left]];
@@ -60,7 +60,7 @@ impl Standing {
 }
 
 impl PlaceStrip {
-    /// From the middle of a foot, away from the other one, until its root lies on the paper and on no tag.
+    /// Returns a strip from the middle of a foot, away from the other one, until its root lies on the paper and on no tag.
     fn from_foot(
         number: usize,
         tent: &Tent,
@@ -111,7 +111,7 @@ impl PlaceStrip {
         self.place.rectangle(-x, -y, -x + self.root_mm, y)
     }
 
-    /// Where the strip's name stands on the mat: in its root, beside its middle line, on which the model's arrow may lie.
+    /// Returns the position of the strip's name on the mat: in its root, beside its middle line, on which the model's arrow may lie.
     pub fn name_at(&self) -> PointMm {
         self.place.at((self.root_mm - self.length_mm) / 2.0, WIDTH_MM / 3.0)
     }
@@ -122,7 +122,7 @@ impl PlaceStrip {
         mat.tags.iter().all(|(_, tag)| !overlap(&room, tag))
     }
 
-    /// The window onto the ground of a strip that lies level on a page, its lower left corner at a place.
+    /// Returns the ground window of a strip that lies level on a page, with its lower left corner at `at`.
     pub fn window(&self, at: PointMm) -> GroundWindow {
         GroundWindow {
             centre: self.place.centre,

@@ -1,4 +1,4 @@
-//! Tent cards: which tags of a scene stand back to back on one, and how it is cut and folded. Geometry only.
+//! Tent cards: the pairs of tags that share one back to back, and how it is cut and folded. Geometry only.
 //!
 //! *Tent frame*: origin on the ground under the middle of the ridge; x along the ridge, z up; face A looks towards −y.
 //! *Flat frame*: the card before folding, printed side up: x along the ridge, y from the tab over face A, the ridge, face B to
@@ -11,58 +11,57 @@ use crate::print::sheet::PointMm;
 use scaleproof_core::geometry::{Rigid, rigid};
 use scaleproof_pose::scene::Tag;
 
-/// How far two tags may be from each other's mirror image and still stand on one card: half of what a scene is held to.
+/// Maximum deviation of two tags from each other's mirror image for sharing a card: half of a scene's tolerance.
 const MIRROR_MM: f64 = 0.1;
 const MIRROR_DEG: f64 = 0.1;
-/// Faces flatter or steeper than this do not make a card that stands.
+/// Tilts at which a card stands.
 pub const TILT_DEG: std::ops::RangeInclusive<f64> = 20.0..=80.0;
-/// What a rounded scene file may take from the room a tag needs.
+/// Tolerance of the room for a tag, for the rounding of scene files.
 const FIT_MM: f64 = 0.05;
-/// Beside the tag: its id and up mark.
+/// Width beside the tag, for its id and up mark.
 pub const SIDE_MM: f64 = 12.0;
 const TAB_MM: f64 = 12.0;
-/// The tab's ends are cut back, so that it slides in.
+/// Slant of the tab's ends, so that it slides in.
 const TAB_SLANT_MM: f64 = 5.0;
 
-/// The mark on the ground at the middle of a foot.
+/// Length and width of the mark on the ground at the middle of a foot.
 const MIDDLE_MM: f64 = 5.0;
 const MIDDLE_LINE_MM: f64 = 0.4;
 
-/// The faces among the panels of a card: tab, face A, face B, base.
+/// Indices of the faces among the panels of a card: tab, face A, face B, base.
 pub const FACE_A: usize = 1;
 pub const FACE_B: usize = 2;
 
 /// Two tags that lean back to back on one folded card.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tent {
-    /// On face A and face B.
+    /// Tags on face A and face B.
     pub tags: [Tag; 2],
-    /// `T_model_tent`: where the card stands.
+    /// Pose of the card, `T_model_tent`.
     pub place: Rigid,
-    /// Between each face and the ground.
+    /// Angle between each face and the ground.
     pub tilt_deg: f64,
-    /// Along the ridge.
+    /// Width along the ridge.
     pub width_mm: f64,
     /// Length of a face from its foot to the ridge.
     pub face_mm: f64,
-    /// From foot to foot.
+    /// Distance between the feet.
     pub base_mm: f64,
 }
 
 impl Tent {
-    /// The card for two tags, if they make one: their planes are each other's mirror image in an upright plane, they face away
-    /// from it and up, they are at the same height and at the same place along the ridge, and each fits with its white ring between
-    /// the ground and the ridge, where the planes meet.
+    /// Returns the card for two tags, if they fit on one: their planes are mirror images in an upright plane, they face away from it and up, they
+    /// have the same height and position along the ridge, and each fits with its white ring between the ground and the ridge, where the planes meet.
     pub fn new(a: &Tag, b: &Tag) -> Option<Tent> {
         let [normal_a, normal_b] = [a, b].map(|tag| tag.right.cross(&tag.up));
         let level = Vector3::new(normal_a.x - normal_b.x, normal_a.y - normal_b.y, 0.0);
-        // Out of face A.
+        // Horizontal direction out of face A.
         let out = level.try_normalize(1e-6)?;
         let mirrored = normal_a - out * (2.0 * normal_a.dot(&out));
         if mirrored.angle(&normal_b) > MIRROR_DEG.to_radians() {
             return None;
         }
-        // Of the tilt.
+        // Sine and cosine of the tilt.
         let (sin, cos) = (level.norm() / 2.0, (normal_a.z + normal_b.z) / 2.0);
         let tilt_deg = sin.atan2(cos).to_degrees();
         if !TILT_DEG.contains(&tilt_deg) {
@@ -74,9 +73,9 @@ impl Tent {
             return None;
         }
         let middle = (a.centre_mm.coords + b.centre_mm.coords) / 2.0;
-        // To the right of somebody who looks at face A.
+        // Right-hand direction for an observer who looks at face A.
         let ridge = Vector3::z().cross(&out);
-        // Along a face, from the tags' centres down to the ground and up to the ridge.
+        // Lengths along a face, from the tags' centres down to the ground and up to the ridge.
         let (below_mm, above_mm) = (middle.z / sin, across_mm / 2.0 / cos);
         let mut width_mm = 0.0_f64;
         for (tag, out) in [(a, out), (b, -out)] {
@@ -126,13 +125,13 @@ impl Tent {
         net
     }
 
-    /// The four corners of the base on the ground, model frame: the left and the right foot of face A, then of face B.
+    /// Returns the four corners of the base on the ground, model frame: the left and the right foot of face A, then of face B.
     pub fn foot_mm(&self) -> [Point3<f64>; 4] {
         let (x, y) = (self.width_mm / 2.0, self.base_mm / 2.0);
         [[-x, -y], [x, -y], [x, y], [-x, y]].map(|[x, y]| self.place * Point3::new(x, y, 0.0))
     }
 
-    /// On the ground, at the middle of each foot: a short line away from the card, which the mark at the foot of its face meets.
+    /// Returns a short line on the ground at the middle of each foot, which leads away from the card and continues the mark at the foot of its face.
     pub fn middle_marks(&self) -> [OutlineMm; 2] {
         let at = |y: f64| {
             let place = self.place * Point3::new(0.0, y, 0.0);
@@ -143,35 +142,35 @@ impl Tent {
     }
 }
 
-/// How far a tag with its white ring reaches from its centre along a direction in its plane.
+/// Returns the extent of a tag with its white ring from its centre along a direction in its plane.
 fn half_along(tag: &Tag, axis: &Vector3<f64>) -> f64 {
     let half = tag.size_mm * tag.family.width_with_white() / 2.0;
     half * (tag.right.dot(axis).abs() + tag.up.dot(axis).abs())
 }
 
-/// A card before folding, in the flat frame.
+/// Card before folding, in the flat frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Net {
     pub width_mm: f64,
     pub height_mm: f64,
-    /// The corners (x, y) of the tab; face A, face B and the base are as wide as the card.
+    /// Corners (x, y) of the tab; face A, face B and the base are as wide as the card.
     pub tab: [[f64; 2]; 4],
-    /// Between tab, face A, face B and base.
+    /// Folds between tab, face A, face B and base.
     pub folds: [Fold; 3],
-    /// On face A and face B.
+    /// Tags on face A and face B.
     pub tags: Vec<FlatTag>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fold {
     pub y_mm: f64,
-    /// How far the rest of the card is turned away from somebody who looks at the printed side; 0 leaves it flat.
+    /// Angle by which the rest of the card is folded away from an observer of the printed side; 0 leaves it flat.
     pub turn_deg: f64,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlatTag {
-    /// [`FACE_A`] or [`FACE_B`].
+    /// Panel: [`FACE_A`] or [`FACE_B`].
     pub panel: usize,
     pub tag: Tag,
     pub centre_mm: Point2<f64>,
@@ -179,7 +178,7 @@ pub struct FlatTag {
 }
 
 impl FlatTag {
-    /// Where a tag of the scene lies on a panel, of which `placed` says where it stands once folded (model ← flat).
+    /// Returns a scene's tag in the flat frame; `placed` is the pose of its folded panel (model ← flat).
     fn on(panel: usize, tag: &Tag, placed: &Rigid) -> Self {
         let centre = placed.inverse() * tag.centre_mm;
         let right = (placed.rotation.inverse() * tag.right).xy();
@@ -191,7 +190,7 @@ impl FlatTag {
         }
     }
 
-    /// `T_flat_tag`.
+    /// Returns `T_flat_tag`.
     fn pose(&self) -> Rigid {
         let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), self.right.y.atan2(self.right.x));
         Isometry3::from_parts(self.centre_mm.coords.push(0.0).into(), turn)
@@ -199,13 +198,13 @@ impl FlatTag {
 }
 
 impl Net {
-    /// Folds the card and says where each tag comes to stand: `T_tent_tag`, in the order of [`Net::tags`].
+    /// Folds the card and returns each tag's pose: `T_tent_tag`, in the order of [`Net::tags`].
     pub fn folded(&self, tent: &Tent) -> Vec<Rigid> {
         let panels = self.folded_panels(tent);
         self.tags.iter().map(|flat| panels[flat.panel] * flat.pose()).collect()
     }
 
-    /// `T_tent_flat` of each panel: the base lies on the ground, and every fold turns what is beyond it.
+    /// Returns `T_tent_flat` of each panel: the base lies on the ground, and every fold rotates the panels beyond it.
     pub fn folded_panels(&self, tent: &Tent) -> [Rigid; 4] {
         // The base's printed side is down, and its fold lies at the foot of face B.
         let down = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
@@ -218,7 +217,7 @@ impl Net {
 }
 
 impl Fold {
-    /// Moves what lies before the fold (smaller y), with what lies beyond it held still.
+    /// Returns the motion of the panels before the fold (smaller y), with those beyond it fixed.
     fn before(&self) -> Rigid {
         let turn = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), self.turn_deg.to_radians());
         let line = Vector3::new(0.0, self.y_mm, 0.0);

@@ -1,4 +1,4 @@
-//! A template's first page: how to put the sheets together, their map, and the scale check that is filled in by hand.
+//! First page of a template: assembly of the sheets, their map, and the scale check that is filled in by hand.
 
 use super::furniture::{self, Captions};
 use super::layout::SheetLayout;
@@ -12,17 +12,17 @@ const LEADING_MM: f64 = 4.0;
 const FACT_MM: f64 = 2.5;
 const FACT_LEADING_MM: f64 = 3.5;
 const GAP_MM: f64 = 4.0;
-/// Between facts and the scale check.
+/// Gap between facts and the scale check.
 const FACTS_AIR_MM: f64 = 2.0;
 /// Height of the scale check above the horizontal ruler.
 const CHECK_MM: f64 = 20.0;
-/// Largest lettering on the map.
+/// Maximum size of letters on the map.
 const MAP_ID_MM: f64 = 6.0;
 const MAP_SEAM_MM: f64 = 3.2;
-/// The map is no larger than it takes to be read.
+/// Maximum size of the map, enough to read it.
 const MAP_MOST_MM: f64 = 150.0;
 
-/// Wider text than this is hard to read, whatever the roll.
+/// Maximum width of text; wider text is hard to read, even on a wide roll.
 const BODY_MOST_MM: f64 = 320.0;
 
 /// Draws the first page of a template: a heading, numbered steps, the map and the scale check.
@@ -30,7 +30,7 @@ pub fn cover(layout: &SheetLayout, captions: &Captions, heading: &str, steps: &[
     first_page(&layout.cover, captions, heading, (steps, &[]), |room| map(layout, room))
 }
 
-/// A first page of numbered steps, facts, and a picture beside or below them.
+/// Draws a first page of numbered steps, facts, and a picture beside or below them.
 pub fn first_page(
     frame: &PageFrame,
     captions: &Captions,
@@ -42,7 +42,7 @@ pub fn first_page(
     captions.sheet(frame, instructions(frame, title, texts, picture))
 }
 
-/// A title at the top of an area, and what is free below it.
+/// Draws a title at the top of an area; returns it and the free area below.
 pub fn titled(area: RectMm, title: String) -> (Mark, RectMm) {
     let title_y = area.top_mm - CAP_HEIGHT * TITLE_MM;
     let room = (TITLE_MM, area.width_mm());
@@ -51,7 +51,7 @@ pub fn titled(area: RectMm, title: String) -> (Mark, RectMm) {
     (mark, RectMm { top_mm, ..area })
 }
 
-/// What a first page says: a title, numbered steps, facts, a picture beside or below them, and the scale check.
+/// Draws a title, numbered steps, facts, a picture beside or below them, and the scale check.
 pub fn instructions(
     frame: &PageFrame,
     title: String,
@@ -102,7 +102,7 @@ pub fn instructions(
     marks
 }
 
-/// The steps from printed sheets to a piece on the model.
+/// Returns the steps from printed sheets to a piece on the model.
 pub fn assembly(layout: &SheetLayout) -> Vec<&'static str> {
     let mut steps = vec!["Print at 100 %, without fit to page. Measure both rulers below before you cut anything."];
     if layout.sheets.len() == 1 {
@@ -124,7 +124,7 @@ pub fn assembly(layout: &SheetLayout) -> Vec<&'static str> {
     steps
 }
 
-/// All sheets with their ids and the letters of their seams.
+/// Draws all sheets with their ids and the letters of their seams.
 fn map(layout: &SheetLayout, room: RectMm) -> Vec<Mark> {
     let (width, height) = layout.size_mm();
     let factor = (room.width_mm().min(MAP_MOST_MM) / width).min(room.height_mm().min(MAP_MOST_MM) / height);
@@ -156,7 +156,7 @@ fn map(layout: &SheetLayout, room: RectMm) -> Vec<Mark> {
     marks
 }
 
-/// Two blanks, named as `print verify` names them: its x is the paper's short side, whichever way round the page is.
+/// Draws two blanks, named as the options of `print verify`: its x is the paper's short side, in either orientation.
 fn scale_check(frame: &PageFrame) -> Vec<Mark> {
     let area = frame.usable;
     let (horizontal, vertical) = if frame.setup.turned { ("y", "x") } else { ("x", "y") };

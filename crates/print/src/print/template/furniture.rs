@@ -1,5 +1,5 @@
-//! Everything on a template's page that is not pattern: crop and registration marks, seam letters, ghost lines, rulers,
-//! captions, arrows, sheet id and mini-map.
+//! Marks on a template's page besides the pattern: crop and registration marks, seam letters, ghost lines, rulers, captions, arrows, sheet id and
+//! mini-map.
 
 use super::layout::{SheetLayout, SheetPlan};
 use super::{Front, TemplateRequest};
@@ -12,11 +12,11 @@ use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::picture::Picture;
 
 const CROP_LINE_MM: f64 = 0.15;
-/// Between the pattern and the near end of a crop mark, and between its far end and whatever comes next.
+/// Gap between the pattern and the near end of a crop mark, and beyond its far end.
 const CROP_GAP_MM: f64 = 1.0;
-/// Half the length of a registration cross's arms.
+/// Half length of a registration cross's arms.
 const CROSS_MM: f64 = 2.0;
-/// From the middle of a side, and of its cross, to the seam's letter.
+/// Distance of the seam's letter from the middle of a side, and of its cross.
 const SEAM_OFFSET_MM: f64 = 5.0;
 const SEAM_LETTER_MM: f64 = 4.2;
 const GHOST_LINE_MM: f64 = 0.4;
@@ -24,7 +24,7 @@ const GREY: Srgb8 = [120, 120, 120];
 
 const CAPTION_MM: f64 = 2.5;
 const CAPTION_LEADING_MM: f64 = 3.3;
-/// The largest file name, as a share of the caption line.
+/// Maximum width of a file name, as a share of the caption line.
 const NAME_SHARE: f64 = 0.4;
 
 const ARROW_MM: f64 = 4.0;
@@ -32,17 +32,17 @@ const ARROW_LINE_MM: f64 = 0.35;
 const ARROW_LABEL_MM: f64 = 1.9;
 
 const ID_MM: f64 = 5.0;
-/// Between the map and the foot of the id above it.
+/// Gap between the map and the foot of the id above it.
 const ID_GAP_MM: f64 = 1.5;
 const MAP_HEIGHT_MM: f64 = 11.0;
-/// A map of one row of many sheets would otherwise be a hairline.
+/// Minimum side of the map: one row of many sheets would otherwise be a hairline.
 const MAP_LEAST_MM: f64 = 1.5;
 
 pub fn all(layout: &SheetLayout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark> {
     [guides(layout, plan), around(layout, plan, captions)].concat()
 }
 
-/// What stands around the content, whatever it is: rulers, captions, arrows, sheet id and mini-map.
+/// Draws the marks around any content: rulers, captions, arrows, sheet id and mini-map.
 pub fn around(layout: &SheetLayout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark> {
     [
         rulers(&layout.frame),
@@ -53,7 +53,7 @@ pub fn around(layout: &SheetLayout, plan: &SheetPlan, captions: &Captions) -> Ve
     .concat()
 }
 
-/// What leads the knife and the glue: ghost lines, crop marks, registration crosses, seam letters.
+/// Draws the guides for cutting and gluing: ghost lines, crop marks, registration crosses, seam letters.
 pub fn guides(layout: &SheetLayout, plan: &SheetPlan) -> Vec<Mark> {
     [ghost_lines(layout, plan), crop_marks(plan), sides(layout, plan)].concat()
 }
@@ -66,8 +66,8 @@ pub fn rulers(frame: &PageFrame) -> Vec<Mark> {
     .concat()
 }
 
-/// Dashes where the neighbouring sheets begin. They lie wholly in the overlap, so that the cut sheet stays clean, and are
-/// black on white so that they show on any pattern.
+/// Draws dashes along the edges of the neighbouring sheets. They lie wholly in the overlap, so that the cut sheet stays clean, and are black on white
+/// so that they are visible on any pattern.
 fn ghost_lines(layout: &SheetLayout, plan: &SheetPlan) -> Vec<Mark> {
     let (trim, printed) = (plan.trim, plan.printed);
     let seams = layout.seams(plan.row, plan.column);
@@ -77,7 +77,7 @@ fn ghost_lines(layout: &SheetLayout, plan: &SheetPlan) -> Vec<Mark> {
             marks.push(Mark::stroke([from, to], GHOST_LINE_MM, dash_mm, colour));
         }
     };
-    // A strip too narrow for the line is its own mark.
+    // A strip too narrow for the line needs none.
     if seams.right.is_some() && printed.right_mm - trim.right_mm > 2.0 * GHOST_LINE_MM {
         let x = trim.right_mm + 0.5 * GHOST_LINE_MM;
         ghost((x, printed.top_mm), (x, printed.bottom_mm));
@@ -89,7 +89,7 @@ fn ghost_lines(layout: &SheetLayout, plan: &SheetPlan) -> Vec<Mark> {
     marks
 }
 
-/// Eight short lines outside the printed area that point at the edges of the trim.
+/// Draws eight short lines outside the printed area that point at the edges of the trim.
 fn crop_marks(plan: &SheetPlan) -> Vec<Mark> {
     let (trim, printed) = (plan.trim, plan.printed);
     let length = CROP_STRIP_MM - 2.0 * CROP_GAP_MM;
@@ -113,8 +113,8 @@ fn crop_marks(plan: &SheetPlan) -> Vec<Mark> {
         .collect()
 }
 
-/// Outside the middle of each side: a registration cross, and the letter of the seam if a neighbour follows. The crosses of
-/// both sheets of a seam are at the same place of the template.
+/// Draws, outside the middle of each side, a registration cross, and the letter of the seam if there is a neighbour. The crosses of both sheets of a
+/// seam are at the same place of the template.
 fn sides(layout: &SheetLayout, plan: &SheetPlan) -> Vec<Mark> {
     let (trim, printed) = (plan.trim, plan.printed);
     let seams = layout.seams(plan.row, plan.column);
@@ -122,7 +122,7 @@ fn sides(layout: &SheetLayout, plan: &SheetPlan) -> Vec<Mark> {
     let out = 0.5 * CROP_STRIP_MM;
     let mut marks = Vec::new();
     let mut side = |(x, y): (f64, f64), length_mm: f64, (aside, above): (f64, f64), letter: Option<String>| {
-        // On a sliver the crosses would run into the crop marks.
+        // On a sliver the crosses would overlap the crop marks.
         if length_mm > 2.0 * CROP_STRIP_MM {
             marks.push(Mark::line((x - CROSS_MM, y), (x + CROSS_MM, y), CROP_LINE_MM));
             marks.push(Mark::line((x, y - CROSS_MM), (x, y + CROSS_MM), CROP_LINE_MM));
@@ -138,7 +138,7 @@ fn sides(layout: &SheetLayout, plan: &SheetPlan) -> Vec<Mark> {
     marks
 }
 
-/// The captions at the foot, the same on every sheet.
+/// Captions at the foot, identical on every sheet.
 pub struct Captions {
     piece: Option<String>,
     name: String,
@@ -153,7 +153,7 @@ impl Captions {
         Self::from_repeat(pattern.sha256(), request, &format!("cell {} mm", number(cell_mm)))
     }
 
-    /// The captions of a repeated image without cells.
+    /// Creates the captions of a repeated image without cells.
     pub(super) fn from_texture(texture: &Picture, request: &TemplateRequest, pixel_mm: f64) -> Self {
         Self::from_repeat(&texture.sha256, request, &format!("{:.0} dpi", 25.4 / pixel_mm))
     }
@@ -180,24 +180,24 @@ impl Captions {
         }
     }
 
-    /// The captions of one panel of several, whose name stands in them and before the ids of its sheets.
+    /// Adds the name of one panel of several to the captions and before the ids of its sheets.
     pub fn of_panel(mut self, panel: &str) -> Self {
         self.facts = format!("{panel} panel · {}", self.facts);
         self.of_piece(panel)
     }
 
-    /// The captions of one piece of several, whose name stands before the ids of its sheets.
+    /// Adds the name of one piece of several before the ids of its sheets.
     pub fn of_piece(mut self, piece: &str) -> Self {
         self.piece = Some(piece.to_owned());
         self
     }
 
-    /// What the template is of, shortened to a width.
+    /// Returns the pattern's name, shortened to a width.
     pub fn title(&self, size_mm: f64, most_mm: f64) -> String {
         shortened(&self.name, size_mm, most_mm)
     }
 
-    /// The captions in the part of a page that a printer reaches.
+    /// Draws the captions in the printable part of a page.
     pub fn marks(&self, printable: RectMm) -> Vec<Mark> {
         let most_mm = printable.width_mm() - KEY_WIDTH_MM - 2.0;
         let name = shortened(&self.name, CAPTION_MM, NAME_SHARE * most_mm);
@@ -209,14 +209,14 @@ impl Captions {
         })
     }
 
-    /// A whole page with these captions and rulers around some marks.
+    /// Returns a whole page with these captions and rulers around some marks.
     pub fn sheet(&self, frame: &PageFrame, mut marks: Vec<Mark>) -> Sheet {
         marks.extend(rulers(frame));
         marks.extend(self.marks(frame.printable));
         frame.sheet(frame.whole(), frame.whole(), marks)
     }
 
-    /// Which way up the piece goes on the model, and where the model's front is: at the top of the key block.
+    /// Draws the arrows to the piece's top and to the model's front, at the top of the key block.
     fn arrows(&self, frame: &PageFrame) -> Vec<Mark> {
         let middle = frame.horizontal_ruler.y_mm - 0.5 * ARROW_MM - 0.3;
         let baseline = middle - 0.5 * CAP_HEIGHT * ARROW_LABEL_MM;
@@ -233,14 +233,14 @@ impl Captions {
     }
 }
 
-/// A clause that says by which printer, program and when a sheet was made.
+/// Returns a clause that names the printer correction, the program and the date.
 pub fn making(media: &Media) -> String {
     let program = concat!("scaleproof ", env!("CARGO_PKG_VERSION"));
     let date = media.date.map_or(String::new(), |date| format!(" · {date}"));
     format!("{} · {program}{date}", media.printer.caption())
 }
 
-/// An arrow of [`ARROW_MM`] around `centre`.
+/// Draws an arrow of [`ARROW_MM`] around `centre`.
 fn arrow(centre: (f64, f64), (dx, dy): (f64, f64)) -> Vec<Mark> {
     let along = |mm: f64, aside: f64| (centre.0 + mm * dx - aside * dy, centre.1 + mm * dy + aside * dx);
     let (tail, tip) = (along(-0.5 * ARROW_MM, 0.0), along(0.5 * ARROW_MM, 0.0));
@@ -248,7 +248,7 @@ fn arrow(centre: (f64, f64), (dx, dy): (f64, f64)) -> Vec<Mark> {
     vec![Mark::line(tail, tip, ARROW_LINE_MM), barb(0.9), barb(-0.9)]
 }
 
-/// The sheet's id above a tiny map of all sheets with this one filled.
+/// Draws the sheet's id above a tiny map of all sheets with this one filled.
 fn key(layout: &SheetLayout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark> {
     let map = map_area(layout);
     let mut marks = vec![Mark::fill(map_cell(layout, map, plan), GREY)];
@@ -271,7 +271,7 @@ pub fn map_cell(layout: &SheetLayout, map: RectMm, plan: &SheetPlan) -> RectMm {
     RectMm::new(x(own.left_mm), y(own.bottom_mm), x(own.right_mm), y(own.top_mm))
 }
 
-/// The lines of a map: the outline of every sheet, shared ones once.
+/// Draws the lines of a map: the outline of every sheet, shared ones once.
 pub fn map_grid(layout: &SheetLayout, map: RectMm) -> Vec<Mark> {
     let [left, bottom, right, top] = map.edges();
     let upright = |x: f64| Mark::line((x, bottom), (x, top), CROP_LINE_MM);
@@ -284,7 +284,7 @@ pub fn map_grid(layout: &SheetLayout, map: RectMm) -> Vec<Mark> {
     marks
 }
 
-/// The mini-map's place: bottom right, in the template's proportions.
+/// Returns the mini-map's area: bottom right, in the template's proportions.
 fn map_area(layout: &SheetLayout) -> RectMm {
     let (width, height) = layout.size_mm();
     let inset = 0.5 * CROP_LINE_MM;

@@ -1,4 +1,4 @@
-//! Which part of a template each sheet carries and where it sits on the paper: geometry only, nothing is drawn here.
+//! Layout of a template on sheets: the part of each sheet and its position on the paper. Geometry only, nothing is drawn here.
 //!
 //! Two frames, both in millimetres. *Template frame*: origin at the template's top-left corner, x right, y **down**, as the
 //! pattern's rows run. *Page frame*: see [`crate::print::sheet`], y up.
@@ -11,31 +11,31 @@ use crate::print::sheet::RectMm;
 use scaleproof_core::geometry::length;
 use scaleproof_plot::lettering::size;
 
-/// A van of life size on A4 takes fewer; more are a mistake in the numbers, not a plan.
+/// Maximum number of sheets; a van of life size on A4 takes fewer, more are a mistake in the numbers.
 pub const MAX_SHEETS: usize = 2000;
 
-/// Longer than all sheets of the longest paper in a row.
+/// Maximum side: all sheets of the longest paper in a row.
 const MOST_MM: f64 = MAX_SHEETS as f64 * MAX_SIDE_MM;
 
-/// Usable length of the page with the instructions on a roll.
+/// Usable length of the instructions page on a roll.
 pub const ROLL_COVER_MM: f64 = 160.0;
 
-/// What the pages must carry and what they are printed on. All lengths in mm.
+/// Size and media of a template. All lengths in mm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayoutRequest {
     /// Width and height of the whole template.
     pub size_mm: (f64, f64),
-    /// What it is printed on.
+    /// Paper, printer and date.
     pub media: Media,
-    /// How sheets lie.
+    /// Orientation of the sheets.
     pub orientation: Orientation,
     /// Width of the strip that a sheet shares with its right and its lower neighbour, for gluing.
     pub overlap_mm: f64,
-    /// How far the pattern runs on beyond the template's outer edge, so that a cut beside the line shows no paper.
+    /// Extension of the pattern beyond the template's outer edge, so that an imprecise cut shows no paper.
     pub bleed_mm: f64,
 }
 
-/// A rectangle in the template frame.
+/// Rectangle in the template frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TemplateRect {
     pub left_mm: f64,
@@ -46,25 +46,24 @@ pub struct TemplateRect {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct SheetPlan {
-    /// From 0, from the top.
+    /// Row, from 0 at the top.
     pub row: usize,
-    /// From 0, from the left.
+    /// Column, from 0 at the left.
     pub column: usize,
-    /// The part of the template that only this sheet shows once all are glued. These tile the template exactly:
-    /// neighbours have bit-equal edges.
+    /// Part of the template that only this sheet shows once all are glued. These parts tile the template exactly: neighbours have bit-equal edges.
     pub own: TemplateRect,
-    /// `own`, the overlap under the right and the lower neighbour, and the bleed beyond the template's edges.
+    /// `own` with the overlap under the right and the lower neighbour, and the bleed beyond the template's edges.
     pub carried: TemplateRect,
-    /// Where `own` sits on the paper (page frame): the sheet is cut here.
+    /// Area of `own` on the paper (page frame): the sheet is cut here.
     pub trim: RectMm,
-    /// Where `carried` sits on the paper (page frame).
+    /// Area of `carried` on the paper (page frame).
     pub printed: RectMm,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct SheetLayout {
     pub frame: PageFrame,
-    /// The page with the instructions: as the sheets, or a short piece of the roll.
+    /// Page with the instructions: as the sheets, or a short piece of the roll.
     pub cover: PageFrame,
     pub rows: usize,
     pub columns: usize,
@@ -72,7 +71,7 @@ pub struct SheetLayout {
     pub sheets: Vec<SheetPlan>,
 }
 
-/// Spreads a template over the fewest sheets. All sheets carry equally large pieces, so that none is a sliver.
+/// Distributes a template over the fewest sheets. All sheets have parts of equal size, so that none is a sliver.
 pub fn layout(request: &LayoutRequest) -> Result<SheetLayout, SheetError> {
     check(request)?;
     let mut layout = match request.orientation {
@@ -93,7 +92,7 @@ pub fn layout(request: &LayoutRequest) -> Result<SheetLayout, SheetError> {
 
 fn check(request: &LayoutRequest) -> Result<(), SheetError> {
     let (width, height) = request.size_mm;
-    // Before the bounds of a length: that it takes too many sheets is the plainer reason.
+    // Tested before the bounds of a length, since too many sheets is the clearer reason.
     if [width, height].iter().any(|side| side.is_finite() && *side > MOST_MM) {
         return Err(SheetError::TooManySheets { most: MAX_SHEETS });
     }
@@ -104,7 +103,7 @@ fn check(request: &LayoutRequest) -> Result<(), SheetError> {
     Ok(())
 }
 
-/// The template on the paper used upright or `turned`.
+/// Lays the template out on the paper used upright or `turned`.
 fn spread(request: &LayoutRequest, turned: bool) -> Result<SheetLayout, SheetError> {
     let frame = request.media.frame(turned)?;
     let (columns, rows) = sheets(request, &frame)?;
@@ -120,11 +119,11 @@ fn spread(request: &LayoutRequest, turned: bool) -> Result<SheetLayout, SheetErr
     Ok(SheetLayout::cut_at(frame, &x, &y, [0.0, overlap_mm, bleed_mm]))
 }
 
-/// How many sheets the template takes: (across, down).
+/// Returns the number of sheets: (across, down).
 fn sheets(request: &LayoutRequest, frame: &PageFrame) -> Result<(usize, usize), SheetError> {
     let (across, down) = (frame.usable.width_mm(), frame.usable.height_mm());
     let (overlap_mm, bleed_mm) = (request.overlap_mm, request.bleed_mm);
-    // With both bleeds beside the overlap, every sheet is sure to have a piece of its own.
+    // With both bleeds beside the overlap, every sheet is sure to have a part of its own.
     if overlap_mm + 2.0 * bleed_mm >= across.min(down) {
         return Err(SheetError::OverlapTooLarge {
             overlap_mm,
@@ -134,21 +133,21 @@ fn sheets(request: &LayoutRequest, frame: &PageFrame) -> Result<(usize, usize), 
     }
     let columns = sheets_along(request.size_mm.0 + 2.0 * bleed_mm, across, overlap_mm);
     let rows = sheets_along(request.size_mm.1 + 2.0 * bleed_mm, down, overlap_mm);
-    // Compared before it becomes an integer, which the longest template on almost no usable area would overflow.
+    // Compared before the conversion to an integer, which the longest template on almost no usable area would overflow.
     if columns * rows > MAX_SHEETS as f64 {
         return Err(SheetError::TooManySheets { most: MAX_SHEETS });
     }
     Ok((columns as usize, rows as usize))
 }
 
-/// The fewest sheets `n` with `n · usable − (n − 1) · overlap ≥ size`, both bleeds included in the size.
+/// Returns the smallest number of sheets `n` with `n · usable − (n − 1) · overlap ≥ size`, both bleeds included in the size.
 fn sheets_along(size_mm: f64, usable_mm: f64, overlap_mm: f64) -> f64 {
-    // A millionth of a millimetre of slack, so that a template made to measure does not cost a sheet to rounding.
+    // A tolerance of a millionth of a millimetre, so that rounding does not cost a template made to measure a sheet.
     let exact = (size_mm - overlap_mm) / (usable_mm - overlap_mm);
     (exact - 1e-6 / usable_mm).ceil().max(1.0)
 }
 
-/// Where a region sits on the page of the sheet that carries `carried`: that one's top-left corner is the usable area's.
+/// Returns the area of a region on the page of the sheet with `carried`, whose top-left corner is the usable area's.
 fn on_page(frame: &PageFrame, carried: TemplateRect, region: TemplateRect) -> RectMm {
     let x = |template_mm: f64| frame.usable.left_mm + (template_mm - carried.left_mm);
     let y = |template_mm: f64| frame.usable.top_mm - (template_mm - carried.top_mm);
@@ -160,12 +159,12 @@ fn on_page(frame: &PageFrame, carried: TemplateRect, region: TemplateRect) -> Re
     )
 }
 
-/// What every one of `sheets` sheets carries along one axis, with its overlap and bleed.
+/// Returns the length each of `sheets` sheets carries along one axis, with its overlap and bleed.
 fn carried_mm(size_mm: f64, sheets: usize, overlap_mm: f64, bleed_mm: f64) -> f64 {
     (size_mm + 2.0 * bleed_mm + (sheets - 1) as f64 * overlap_mm) / sheets as f64
 }
 
-/// Where the template is cut along one axis, from 0 to its size, so that every sheet carries equally much.
+/// Returns the cuts of the template along one axis, from 0 to its size, so that every sheet carries the same length.
 fn cuts(size_mm: f64, sheets: usize, overlap_mm: f64, bleed_mm: f64) -> Vec<f64> {
     let step = carried_mm(size_mm, sheets, overlap_mm, bleed_mm) - overlap_mm;
     let inner = (1..sheets).map(|i| i as f64 * step - bleed_mm);
@@ -173,9 +172,8 @@ fn cuts(size_mm: f64, sheets: usize, overlap_mm: f64, bleed_mm: f64) -> Vec<f64>
 }
 
 impl SheetLayout {
-    /// Sheets cut at given edges, from 0 on, each along its axis in rising order; the first and the last are the template's own.
-    /// Every sheet must have room for what it carries: beside its own part strips towards the sheets `before` and `after` it along
-    /// each axis, and an `outer` one at the template's edge.
+    /// Returns sheets cut at given edges, ascending from 0 along each axis; the first and the last are the template's own. Every sheet must have room
+    /// for its own part and strips towards the sheets `before` and `after` it along each axis, or an `outer` one at the template's edge.
     pub fn cut_at(frame: PageFrame, x: &[f64], y: &[f64], [before, after, outer]: [f64; 3]) -> Self {
         let (columns, rows) = (x.len().saturating_sub(1), y.len().saturating_sub(1));
         let before = |i: usize| if i == 0 { outer } else { before };
@@ -212,7 +210,7 @@ impl SheetLayout {
         }
     }
 
-    /// The fewest sheets, and of those the least paper: on a roll both ways round may do with one.
+    /// Returns the number of sheets, then the paper area: on a roll one sheet may do in both orientations.
     fn cost(&self) -> (usize, f64) {
         let (sheets, page) = (self.sheets.len(), self.frame.page);
         (sheets, page.width_mm * page.height_mm * sheets as f64)
@@ -226,7 +224,7 @@ impl SheetLayout {
         )
     }
 
-    /// Seams are lettered row by row: those between the sheets of a row, then those to the row below.
+    /// Returns the seam letters of a sheet. Seams are lettered row by row: those between the sheets of a row, then those to the row below.
     pub fn seams(&self, row: usize, column: usize) -> SheetSeams {
         let row_starts = |row: usize| row * (2 * self.columns - 1);
         let right_of = |row: usize, column: usize| letters(row_starts(row) + column);
@@ -239,13 +237,13 @@ impl SheetLayout {
         }
     }
 
-    /// Whether a sheet is printed; one that carries nothing may be left out.
+    /// Returns true if a sheet is printed; an empty one may be left out.
     pub fn has(&self, row: usize, column: usize) -> bool {
         self.sheets.iter().any(|plan| (plan.row, plan.column) == (row, column))
     }
 }
 
-/// The letters of the seams around a sheet; the neighbour beyond has the same one, so that a person finds what meets what.
+/// Letters of the seams around a sheet; the neighbour across a seam has the same letter.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SheetSeams {
     pub left: Option<String>,
@@ -255,7 +253,7 @@ pub struct SheetSeams {
 }
 
 impl SheetPlan {
-    /// The page's place of a point of the template with y turned up: (x, −y) of the template frame.
+    /// Converts a point of the template with y turned up, (x, −y) of the template frame, to the page.
     pub fn on_page(&self, x_mm: f64, y_mm: f64) -> (f64, f64) {
         (
             self.printed.left_mm + x_mm - self.carried.left_mm,
@@ -263,13 +261,13 @@ impl SheetPlan {
         )
     }
 
-    /// Row letter and column number, as in `B2`. After row Z comes AA.
+    /// Returns row letter and column number, as in `B2`. After row Z comes AA.
     pub fn id(&self) -> String {
         format!("{}{}", letters(self.row), self.column + 1)
     }
 }
 
-/// A to Z, then AA.
+/// Returns the letters of an index: A to Z, then AA.
 pub fn letters(index: usize) -> String {
     let last = char::from(b'A' + (index % 26) as u8);
     if index < 26 {

@@ -1,4 +1,4 @@
-//! The first page: how to put the panels on the model, what each costs, and all of them small with their seam letters.
+//! First page: assembly of the panels on the model, the statistics of each, and all of them small with their seam letters.
 
 use super::seams::PanelSeams;
 use super::{Contour, Panel, Point, Wrap};
@@ -11,7 +11,7 @@ use scaleproof_surface::pattern::world_aligned::Side;
 const LINE_MM: f64 = 0.15;
 const LETTER_MM: f64 = 2.6;
 const GREY: Srgb8 = [215, 215, 215];
-/// The panels are shown no larger than it takes.
+/// Maximum scale of the panels.
 const MOST_SCALE: f64 = 0.5;
 
 const STEPS: [&str; 4] = [
@@ -32,7 +32,7 @@ pub fn cover(wrap: &Wrap, seams: &PanelSeams, frame: PageFrame, captions: &Capti
     printer::corrected_one(sheet, frame.setup.stretch())
 }
 
-/// All panels in one scale: the sides above each other, front and rear below, the roof to the right.
+/// Draws all panels in one scale: the sides above each other, front and rear below, the roof to the right.
 fn overview(wrap: &Wrap, seams: &PanelSeams, room: RectMm) -> Vec<Mark> {
     let size = |side: Side| {
         let bounds = panel(wrap, side).and_then(|panel| panel.region.bounds());

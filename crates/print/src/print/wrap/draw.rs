@@ -1,4 +1,4 @@
-//! The panels on their sheets: pattern or texture, outline, edges, seam letters.
+//! Drawing of the panels on their sheets: pattern or texture, outline, edges, seam letters.
 
 use std::sync::Arc;
 
@@ -14,17 +14,17 @@ use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::world_aligned::Side;
 use scaleproof_surface::texture::{Texture, Tile};
 
-/// Between a panel's edge and the line it is cut along, so that none of the line stays on the piece.
+/// Gap between a panel's edge and its cutting line, so that none of the line stays on the piece.
 const CUT_GAP_MM: f64 = 0.1;
 const CUT_LINE_MM: f64 = 0.15;
-/// Free paper that the line takes around a region, and a little more.
+/// Free paper for the cutting line around a region, with some spare.
 pub const CUT_ROOM_MM: f64 = 1.0;
-/// Edges within a panel are marked lightly: they lie on the pattern.
+/// Width of the lines along edges within a panel: light, since they lie on the pattern.
 pub const EDGE_LINE_MM: f64 = 0.06;
 pub const EDGE_DASH_MM: (f64, f64) = (1.0, 6.0);
 const LETTER_MM: f64 = 4.0;
 const LEADER_MM: f64 = 0.15;
-/// Around a panel on its sheets, for bleed and letters.
+/// Room around a panel on its sheets, for bleed and letters.
 const ROOM_MM: f64 = BLEED_MM + 2.0 * CLEAR_MM;
 
 /// Draws the panels of the materials (by index; all if there are none) of a mesh in the model frame.
@@ -91,7 +91,7 @@ pub fn wrap(mesh: &Mesh, materials: &[usize], texture: &Texture, request: &WrapR
     Ok(made)
 }
 
-/// The cells of a pattern on the panels, which stay sharp at any size; other textures become pixels.
+/// Cells of a pattern on the panels, which stay sharp at any size; other textures become pixels.
 struct Cells<'a> {
     tile: &'a Tile,
     cell_mm: f64,
@@ -99,7 +99,7 @@ struct Cells<'a> {
 }
 
 impl<'a> Cells<'a> {
-    /// `None` of a texture without cells; whatever it is, it can be printed.
+    /// Prepares the cells; `None` for a texture without cells. Checks that the texture can be printed in either case.
     fn new(texture: &'a Texture, pieces: &[SpreadPanel], request: &WrapRequest) -> Result<Option<Self>, WrapError> {
         let sizes = pieces.iter().map(|piece| piece.layout.size_mm());
         let Texture::Tile(tile) = texture else {
@@ -155,7 +155,7 @@ impl Drawing<'_> {
     }
 }
 
-/// What a cutter follows on a sheet: the part of the region's border that the sheet shows.
+/// Returns the cutter path on a sheet: the part of the region's border that the sheet shows.
 pub fn cutter_path(region: &Region, by: Point, plan: &SheetPlan) -> Mark {
     let sheet = plan.printed.outline();
     let sheet = Region::union(vec![sheet.iter().map(|p| [p.x_mm - by[0], p.y_mm - by[1]]).collect()]);
@@ -165,7 +165,7 @@ pub fn cutter_path(region: &Region, by: Point, plan: &SheetPlan) -> Mark {
     }
 }
 
-/// The line around a region, outside of it.
+/// Draws the line around a region, outside of it.
 pub fn cut_line(region: &Region, by: Point) -> Vec<Mark> {
     let around = moved(region.grown(CUT_GAP_MM + 0.5 * CUT_LINE_MM).contours(), by);
     let lines = around
@@ -174,19 +174,19 @@ pub fn cut_line(region: &Region, by: Point) -> Vec<Mark> {
     lines.collect()
 }
 
-/// A place of a plane on a page.
+/// Converts a point of a plane to the page.
 fn place(p: Point, by: Point) -> PointMm {
     PointMm::new(p[0] + by[0], p[1] + by[1])
 }
 
-/// Outlines of a plane, moved onto a page.
+/// Converts outlines of a plane to the page.
 pub fn moved<'a>(outlines: impl Iterator<Item = &'a Contour>, by: Point) -> Vec<Vec<PointMm>> {
     outlines
         .map(|outline| outline.iter().map(|p| place(*p, by)).collect())
         .collect()
 }
 
-/// A seam's letter and the line from it to the seam, on the sheet that shows the letter once all are glued.
+/// Draws a seam's letter and the line from it to the seam, on the sheet that shows the letter once all are glued.
 fn letter(mark: &SeamMark, by: Point, plan: &SheetPlan) -> Vec<Mark> {
     let (at, trim) = (place(mark.at, by), plan.trim);
     let is_here = (trim.left_mm..trim.right_mm).contains(&at.x_mm) && (trim.bottom_mm..trim.top_mm).contains(&at.y_mm);

@@ -1,9 +1,9 @@
-//! A pattern or texture as five panels of a model: left, right, roof, front and rear, each at true size, cut to the model's outline.
+//! Pattern or texture as five panels of a model: left, right, roof, front and rear, each at true size, cut to the model's outline.
 //!
-//! A surface belongs to the side that its normal looks to most and is printed on that panel only; the panel is its projection
-//! along that axis. So each point carries the colour that [`WorldAligned`](scaleproof_surface::pattern::world_aligned::WorldAligned) gives it, and
-//! [`scaleproof_surface::pattern::world_aligned`] says how the pattern lies on each side. What the projection costs is stated: surfaces that slope are
-//! longer than their paper ([`Panel::largest_stretch`]), and layers behind each other share one print ([`Panel::hidden_mm2`]).
+//! A surface belongs to the side nearest to its normal and is printed only on that panel; the panel is its projection along that axis. So each point
+//! has the colour of [`WorldAligned`](scaleproof_surface::pattern::world_aligned::WorldAligned), and [`scaleproof_surface::pattern::world_aligned`]
+//! defines the pattern's orientation on each side. The errors of the projection are reported: sloping surfaces are longer than their paper
+//! ([`Panel::largest_stretch`]), and layers behind each other share one print ([`Panel::hidden_mm2`]).
 
 mod cover;
 mod draw;
@@ -26,12 +26,12 @@ use scaleproof_plot::lettering::number;
 use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::world_aligned::Side;
 
-/// How far the pattern runs on beyond a panel's outline.
+/// Extension of the pattern beyond a panel's outline.
 pub const BLEED_MM: f64 = 2.0;
-/// Mesh and scene may differ by this share of a side.
+/// Maximum difference between mesh and scene, as a share of a side.
 const SIZE_TOLERANCE: f64 = 0.03;
 
-/// Why no panels were printed.
+/// Reason why no panels were printed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum WrapError {
     #[error(transparent)]
@@ -51,11 +51,11 @@ pub enum WrapError {
 /// A request for the panels of a model. All lengths in mm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WrapRequest {
-    /// The model is 1:`scale`; only the captions use it.
+    /// Scale of the model, 1:`scale`; only for the captions.
     pub scale: f64,
-    /// How the captions call the pattern or texture: its file name.
+    /// Name of the pattern or texture in the captions: its file name.
     pub name: String,
-    /// What the captions say of a texture without cells.
+    /// Description of a texture without cells, for the captions.
     pub facts: String,
     /// Pixels per inch of such a texture.
     pub dpi: f64,
@@ -69,7 +69,8 @@ impl WrapRequest {
         format!("Panels of {}", self.name)
     }
 
-    /// A region of a side, with some room around it, on sheets: its template, their layout, and (u, v) of the template's top-left corner.
+    /// Lays out a region of a side, with some room around it, on sheets: returns its template, their layout, and (u, v) of the template's top-left
+    /// corner.
     pub(super) fn spread(
         &self,
         side: Side,
@@ -91,7 +92,7 @@ impl WrapRequest {
             Side::Front | Side::Rear | Side::Bottom => Front::None,
         };
         TemplateRequest {
-            // Whose cells have a size says so in its captions.
+            // A placeholder: patterns with cells replace it by their own ([`TemplateRequest::tiled`]).
             tile_mm: 1.0,
             scale: self.scale,
             pattern_name: self.name.clone(),
@@ -101,7 +102,7 @@ impl WrapRequest {
                 media: self.media,
                 orientation: Orientation::Auto,
                 overlap_mm: self.overlap_mm,
-                // The pattern runs on beyond the panel's outline, not beyond the sheets'.
+                // The pattern extends beyond the panel's outline, not beyond the sheets'.
                 bleed_mm: 0.0,
             },
         }
@@ -117,13 +118,13 @@ pub struct SpreadPanel {
 }
 
 impl SpreadPanel {
-    /// The page place of (u, v) = (0, 0) on a sheet: the page shows the plane moved by it.
+    /// Returns the page position of (u, v) = (0, 0) on a sheet: the offset from the plane to the page.
     pub fn moved_by_mm(&self, plan: &SheetPlan) -> Point {
         moved_by_mm(plan, self.corner)
     }
 }
 
-/// The page place of (u, v) = (0, 0) on a sheet, when its template's top-left corner is at `corner` of the plane.
+/// Returns the page position of (u, v) = (0, 0) on a sheet whose template's top-left corner is at `corner` of the plane.
 pub(super) fn moved_by_mm(plan: &SheetPlan, corner: Point) -> Point {
     [
         plan.printed.left_mm - plan.carried.left_mm - corner[0],
@@ -134,17 +135,17 @@ pub(super) fn moved_by_mm(plan: &SheetPlan, corner: Point) -> Point {
 #[derive(Debug, Clone)]
 pub struct Wrap {
     pub pieces: Vec<SpreadPanel>,
-    /// True area of the paint.
+    /// Area of the paint on the surface.
     pub surface_mm2: f64,
-    /// Length of the seams between panels that found no room for a letter.
+    /// Length of the seams between panels without room for a letter.
     pub unlettered_mm: f64,
     pub cell_mm: Option<f64>,
-    /// The instructions, then the sheets of each piece, as the printer needs them.
+    /// The instructions, then the sheets of each piece, corrected for the printer.
     pub pages: Vec<Sheet>,
 }
 
 impl Wrap {
-    /// A name for each page, where it becomes a file of its own.
+    /// Returns a name for each page, used if it becomes a file of its own.
     pub fn page_names(&self) -> Vec<String> {
         let mut names = vec!["assembly".to_owned()];
         for SpreadPanel { panel, layout, .. } in &self.pieces {
@@ -154,18 +155,18 @@ impl Wrap {
         names
     }
 
-    /// Largest length on the surface for 1 mm on paper.
+    /// Returns the largest length on the surface for 1 mm on paper.
     pub fn largest_stretch(&self) -> f64 {
         self.pieces.iter().map(|p| p.panel.largest_stretch).fold(1.0, f64::max)
     }
 
-    /// Area of the surface over its area on paper, every layer counted.
+    /// Returns the area of the surface over its area on paper, every layer counted.
     pub fn mean_stretch(&self) -> f64 {
         let sum = |of: fn(&Panel) -> f64| self.pieces.iter().map(|p| of(&p.panel)).sum::<f64>();
         sum(|p| p.surface_mm2) / sum(|p| p.projected_mm2)
     }
 
-    /// Area of the paint that looks down and is on no panel.
+    /// Returns the area of the paint that faces down and is on no panel.
     pub fn unprinted_mm2(&self) -> f64 {
         let printed = self.pieces.iter().map(|p| p.panel.surface_mm2).sum::<f64>();
         (self.surface_mm2 - printed).max(0.0)
@@ -200,7 +201,7 @@ impl Wrap {
     }
 }
 
-/// Refuses a mesh that is not as large as the scene says.
+/// Returns an error if the mesh differs in size from the scene.
 pub fn check_size(mesh: &Mesh, scene_mm: [f64; 3]) -> Result<(), WrapError> {
     let mesh_mm = mesh.size_mm();
     let differs = |(a, b): (f64, f64)| (a - b).abs() > SIZE_TOLERANCE * b;

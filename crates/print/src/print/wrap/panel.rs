@@ -1,4 +1,4 @@
-//! The surface of a model divided into the sides it looks to: what each panel shows, and what the projection costs.
+//! Division of a model's surface into the sides it faces: the content of each panel, and the errors of the projection.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,17 +12,17 @@ use scaleproof_surface::pattern::world_aligned::Side;
 
 pub const PRINTED: [Side; 5] = [Side::Left, Side::Right, Side::Roof, Side::Front, Side::Rear];
 
-/// Edges bent by more than this are drawn.
+/// Bend of an edge above which it is drawn.
 const FEATURE_DEG: f64 = 30.0;
-/// A surface this much farther out hides what is behind it, mm.
+/// Distance by which an outer surface hides one behind it, mm.
 const BEFORE_MM: f64 = 0.3;
 
 #[derive(Debug, Clone)]
 pub struct Panel {
     pub side: Side,
-    /// All painted triangles of this side in its plane (u, v), mm; see [`Side`].
+    /// Union of all painted triangles of this side in its plane (u, v), mm; see [`Side`].
     pub region: Region,
-    /// Visible edges inside the region that are bent or where another material begins: (u, v), mm.
+    /// Visible edges inside the region that are bent or border another material: (u, v), mm.
     pub edges: Vec<[Point; 2]>,
     pub surface_mm2: f64,
     /// Area of the surface after projection into the side's plane, every layer counted.
@@ -36,7 +36,7 @@ impl Panel {
         self.region.area_mm2()
     }
 
-    /// Area of the layers that lie behind others in this direction, and are printed with them.
+    /// Returns the area of the layers that lie behind others in this direction, and are printed with them.
     pub fn hidden_mm2(&self) -> f64 {
         (self.projected_mm2 - self.flat_mm2()).max(0.0)
     }
@@ -44,25 +44,25 @@ impl Panel {
 
 #[derive(Debug, Clone, Copy)]
 pub struct Face {
-    /// Among those of the mesh.
+    /// Index of the triangle in the mesh.
     pub index: usize,
     pub triangle: Triangle,
     pub corners: [Point3<f64>; 3],
     pub side: Side,
     pub surface_mm2: f64,
-    /// Area on the surface for an area of 1 on paper; as large is the stretch along the steepest line.
+    /// Area on the surface per area on paper; equal to the stretch along the steepest line.
     pub stretch: f64,
 }
 
 #[derive(Debug, Clone)]
 pub struct PaintedSurface {
     pub faces: Vec<Face>,
-    /// Triangles of the mesh that are of other materials.
+    /// Triangles of the mesh with other materials.
     others: Vec<Triangle>,
 }
 
 impl PaintedSurface {
-    /// The triangles of some materials, or of all when none are given; those without area are left out.
+    /// Collects the triangles of some materials, or of all if none are given; degenerate ones are left out.
     pub fn of_materials(mesh: &Mesh, materials: &[usize]) -> Self {
         let is_painted = |triangle: &Triangle| materials.is_empty() || materials.contains(&triangle.material);
         let (mut faces, mut others) = (Vec::new(), Vec::new());
@@ -91,7 +91,7 @@ impl PaintedSurface {
         self.faces.iter().map(|face| face.surface_mm2).sum()
     }
 
-    /// Which painted faces meet at each edge, by the edge's corners in rising order.
+    /// Returns the painted faces at each edge, by the edge's corners in ascending order.
     pub fn edges(&self) -> BTreeMap<[usize; 2], Vec<usize>> {
         let mut edges = BTreeMap::<_, Vec<usize>>::new();
         for (i, face) in self.faces.iter().enumerate() {
@@ -102,7 +102,7 @@ impl PaintedSurface {
         edges
     }
 
-    /// The printed panels that have a surface, in the order of [`PRINTED`].
+    /// Returns the printed panels that have a surface, in the order of [`PRINTED`].
     pub fn panels(&self) -> Vec<Panel> {
         let edges = self.edges();
         let other_edges = self.others.iter().flat_map(Triangle::edges).collect();
@@ -151,12 +151,12 @@ pub fn corner_of(face: &Face, corner: usize) -> Point3<f64> {
     face.corners[place.unwrap_or_default()]
 }
 
-/// By how much two faces are bent against each other.
+/// Returns the angle between two faces' normals.
 pub fn bend_deg(a: &Face, b: &Face) -> f64 {
     doubled_area(&a.corners).angle(&doubled_area(&b.corners)).to_degrees()
 }
 
-/// The faces of a side, found by place.
+/// Faces of a side with a spatial index.
 struct Cover<'a> {
     side: Side,
     faces: &'a [&'a Face],
@@ -175,7 +175,7 @@ impl<'a> Cover<'a> {
         }
     }
 
-    /// How far out the outermost face over a place is; `None` beside all faces.
+    /// Returns the height of the outermost face over a point; `None` beside all faces.
     fn outermost(&self, p: Point) -> Option<f64> {
         let near = self.buckets.at(p)?.iter();
         let over = near.filter_map(|i| self.height(self.faces[*i as usize], p));
@@ -192,7 +192,7 @@ impl<'a> Cover<'a> {
         inside.then_some(first * a + second * b + third * c)
     }
 
-    /// Whether the middle of an edge is not behind other faces, and has faces on both sides.
+    /// Returns true if the middle of an edge is not behind other faces, and has faces on both sides.
     fn shows_inside(&self, ends: &[Point3<f64>; 2]) -> bool {
         let height = self.side.outward().dot(&nalgebra::center(&ends[0], &ends[1]).coords);
         let [a, b] = ends.map(|p| self.side.project(&p));

@@ -1,4 +1,4 @@
-//! Areas with curved-in outlines and holes in the plane of a panel: union, growth, distance. By `i_overlay`.
+//! Areas with concave outlines and holes in the plane of a panel: union, growth, distance. By `i_overlay`.
 
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
@@ -9,19 +9,19 @@ use i_overlay::mesh::float::style::{LineJoin, OutlineStyle};
 use crate::print::sheet::sides;
 use scaleproof_core::geometry::{self, to_segment};
 
-/// A place in a plane, mm.
+/// Point in a plane, mm.
 pub type Point = [f64; 2];
 pub type Contour = Vec<Point>;
 
 /// Length of a segment of a rounded corner, as a share of its radius.
 const ROUNDNESS: f64 = 0.4;
 
-/// An area of the plane. Outer outlines run counter-clockwise, holes clockwise.
+/// Area of the plane. Outer outlines run counter-clockwise, holes clockwise.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Region(Vec<Vec<Contour>>);
 
 impl Region {
-    /// All that lies inside any of the outlines, whichever way round they run.
+    /// Returns the union of the outlines, regardless of their direction.
     pub fn union(mut outlines: Vec<Contour>) -> Self {
         for outline in &mut outlines {
             if doubled_area(outline) < 0.0 {
@@ -32,7 +32,7 @@ impl Region {
         Self(outlines.overlay(&nothing, OverlayRule::Union, FillRule::NonZero))
     }
 
-    /// Parts that do not overlap: of each its outline counter-clockwise, then its holes clockwise.
+    /// Creates a region of parts that do not overlap: each has its outline counter-clockwise, then its holes clockwise.
     pub fn new(parts: Vec<Vec<Contour>>) -> Self {
         Self(parts)
     }
@@ -53,7 +53,7 @@ impl Region {
         Self(self.0.overlay(&other.0, OverlayRule::Difference, FillRule::NonZero))
     }
 
-    /// The region somewhere else in the plane; the move keeps which way round outlines run.
+    /// Maps the region by a rigid motion of the plane, which keeps the direction of outlines.
     pub fn moved(&self, to: impl Fn(Point) -> Point) -> Self {
         let outline = |outline: &Contour| outline.iter().map(|p| to(*p)).collect();
         Self(self.0.iter().map(|shape| shape.iter().map(outline).collect()).collect())
@@ -63,7 +63,7 @@ impl Region {
         self.edges().map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1])).sum()
     }
 
-    /// The region and all that is nearer to it than `by_mm`.
+    /// Returns the region grown by all that is nearer to it than `by_mm`.
     pub fn grown(&self, by_mm: f64) -> Self {
         if by_mm <= 0.0 {
             return self.clone();
@@ -80,7 +80,7 @@ impl Region {
         0.5 * self.contours().map(|c| doubled_area(c)).sum::<f64>()
     }
 
-    /// The corners of the box around it: lowest, highest; `None` of nothing.
+    /// Returns the corners of its bounding box: lowest, highest; `None` for an empty region.
     pub fn bounds(&self) -> Option<(Point, Point)> {
         let (low, high) = corners(self.contours().flatten());
         low[0].is_finite().then_some((low, high))
@@ -99,7 +99,7 @@ impl Region {
         self.edges().map(crossing).sum::<i32>() != 0
     }
 
-    /// How far a place is from the region's border; negative inside.
+    /// Returns the distance of a point from the region's border; negative inside.
     pub fn distance_mm(&self, p: Point) -> f64 {
         let nearest = self
             .edges()
@@ -108,7 +108,7 @@ impl Region {
         if self.contains(p) { -nearest } else { nearest }
     }
 
-    /// About the place inside that is farthest from the border, for a name: the best of a grid over the box around it.
+    /// Returns approximately the inner point farthest from the border, for a name: the best of a grid over the bounding box.
     pub fn innermost(&self) -> Point {
         const STEPS: usize = 12;
         let (low, high) = self.bounds().unwrap_or_default();
@@ -123,7 +123,7 @@ impl Region {
     }
 }
 
-/// The corners of the box around some places: lowest, highest.
+/// Returns the corners of the bounding box of points: lowest, highest.
 pub fn corners<'a>(places: impl IntoIterator<Item = &'a Point>) -> (Point, Point) {
     let wider = |(low, high): (Point, Point), p: &Point| {
         (
@@ -136,7 +136,7 @@ pub fn corners<'a>(places: impl IntoIterator<Item = &'a Point>) -> (Point, Point
         .fold(([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]), wider)
 }
 
-/// Twice the area inside an outline; negative if it runs clockwise.
+/// Returns twice the area inside an outline; negative if it runs clockwise.
 pub fn doubled_area(outline: &[Point]) -> f64 {
     sides(outline).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum()
 }

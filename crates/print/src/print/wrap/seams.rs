@@ -1,4 +1,4 @@
-//! Where two panels meet on the model: the same small letter beside both.
+//! Seams between panels on the model: the same small letter beside both.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,23 +10,23 @@ use crate::print::template::letters;
 use scaleproof_core::geometry::distance;
 use scaleproof_surface::pattern::world_aligned::Side;
 
-/// Shorter seams find their place by themselves.
+/// Minimum length of a lettered seam; shorter ones can be matched without a letter.
 const SHORTEST_MM: f64 = 15.0;
-/// From a letter's middle to the nearest ink.
+/// Distance between a letter's middle and the nearest ink.
 pub const CLEAR_MM: f64 = 2.4;
-/// How much farther from the seam a letter may stand.
+/// Maximum additional distance of a letter from its seam.
 const FARTHEST_MM: f64 = 4.0;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeamMark {
     pub letter: String,
-    /// On the panel's border.
+    /// Point of the seam on the panel's border.
     pub seam: Point,
-    /// The middle of the letter.
+    /// Centre of the letter.
     pub at: Point,
 }
 
-/// The letters beside each panel, and how long the seams are that found no room for theirs on both panels.
+/// Letters beside each panel, and the length of the seams without room for theirs on both panels.
 #[derive(Default)]
 pub struct PanelSeams {
     pub marks: BTreeMap<Side, Vec<SeamMark>>,
@@ -39,7 +39,7 @@ struct Seam {
     length_mm: f64,
 }
 
-/// Letters all seams of some length. `grown` are the panels' regions with their bleed.
+/// Assigns letters to all seams of sufficient length. `grown` are the panels' regions with their bleed.
 pub fn seams(paint: &PaintedSurface, panels: &[Panel], grown: &[Region]) -> PanelSeams {
     let mut found = PanelSeams::default();
     let mut all = runs(paint);
@@ -57,7 +57,7 @@ pub fn seams(paint: &PaintedSurface, panels: &[Panel], grown: &[Region]) -> Pane
             found.unlettered_mm += seam.length_mm;
             continue;
         };
-        // Small, because the capitals are those of the sheets of one panel.
+        // Lower case, because the capitals are those of the sheets of one panel.
         let letter = letters(count).to_lowercase();
         count += 1;
         for (side, (on_seam, at)) in seam.sides.into_iter().zip([first, second]) {
@@ -71,7 +71,7 @@ pub fn seams(paint: &PaintedSurface, panels: &[Panel], grown: &[Region]) -> Pane
     found
 }
 
-/// The connected runs of edges between each two printed panels.
+/// Returns the connected runs of edges between each two printed panels.
 fn runs(paint: &PaintedSurface) -> Vec<Seam> {
     let mut between = BTreeMap::<[Side; 2], BTreeMap<[usize; 2], [Point3<f64>; 2]>>::new();
     for (edge, faces) in paint.edges() {
@@ -116,8 +116,8 @@ fn connected(edges: &BTreeMap<[usize; 2], [Point3<f64>; 2]>) -> Vec<Vec<[Point3<
     all
 }
 
-/// A point of the seam on the panel's border, and beside it a place for the letter that is free of ink: as near as possible
-/// to the middle of the seam.
+/// Returns a point of the seam on the panel's border, and beside it a position for the letter without ink: as near as possible to the middle of the
+/// seam.
 fn place(seam: &Seam, side: Side, region: &Region, grown: &Region, taken: &[SeamMark]) -> Option<(Point, Point)> {
     let sum = seam.edges.iter().fold(Vector3::zeros(), |sum, [a, b]| {
         sum + 0.5 * (a.coords + b.coords) * (b - a).norm()
