@@ -219,7 +219,7 @@ impl<'a, I: Iterator<Item = (&'a Conv, &'a [Vec<f32>])>> Layers<I> {
             return x;
         };
         let kernel = Kernel {
-            size: [conv.kernel; 2],
+            size: conv.kernel,
             stride: conv.stride,
             padding: conv.kernel / 2,
         };
