@@ -1139,32 +1139,38 @@ fn camou_beats_what_it_starts_from_and_goes_on_as_if_it_had_not_stopped() {
     use scaleproof_attack::baseline::camou;
     let view_set = view_set(TextureMapping::World);
     let [whole, halves] = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
-    let config = baseline::SearchConfig {
-        method: "camou",
-        ..search_config(900)
-    };
-    let search = |detectors: &[Box<dyn WhiteBox>], folder: &Path| {
+    let search = |detectors: &[Box<dyn WhiteBox>], seed: u64, folder: &Path| {
+        let config = baseline::SearchConfig {
+            method: "camou",
+            seed,
+            ..search_config(900)
+        };
         let mut oracle = BlackBox::begin(&view_set, detectors, &config, folder, &|_| {})?;
         let cells = camou::search(&mut oracle, &config)?;
         Ok::<_, RunError>((cells, oracle.finish()?))
     };
-    let (cells, entries) = search(&detectors(60.0, &view_set), whole.path()).unwrap();
+    let (cells, entries) = search(&detectors(60.0, &view_set), 1, whole.path()).unwrap();
     let judging = detectors(60.0, &view_set);
     let of = |cells: &[Rgb]| judge(&view_set, &judging, cells).unwrap().mean_confidence;
     // What 32 random patterns give, of which it takes the best to begin with.
     let chance: Vec<f64> = (0..32).map(|seed| of(&random_cells(seed))).collect();
     let best = chance.iter().copied().fold(1.0, f64::min);
+    // One search of so few queries may end anywhere between .1 and .6.
+    let others = [2, 3].map(|seed| {
+        let folder = tempfile::tempdir().unwrap();
+        search(&detectors(60.0, &view_set), seed, folder.path()).unwrap().0
+    });
+    let found = (of(&cells) + of(&others[0]) + of(&others[1])) / 3.0;
     println!(
-        "mean confidence: chance {:.3}, the best of 32 {best:.3}, camou {:.3}",
+        "mean confidence: chance {:.3}, the best of 32 {best:.3}, camou of three seeds {found:.3}",
         chance.iter().sum::<f64>() / 32.0,
-        of(&cells)
     );
-    assert!(of(&cells) < best);
+    assert!(found < best);
     assert!(entries.last().unwrap().queries <= 900 && entries.last().unwrap().held_out.is_some());
     let mut bad = Weave::new(60.0, &view_set);
     bad.bad_at = Some(400);
-    assert!(search(&[Box::new(bad) as Box<dyn WhiteBox>], halves.path()).is_err());
-    let (again, _) = search(&detectors(60.0, &view_set), halves.path()).unwrap();
+    assert!(search(&[Box::new(bad) as Box<dyn WhiteBox>], 1, halves.path()).is_err());
+    let (again, _) = search(&detectors(60.0, &view_set), 1, halves.path()).unwrap();
     assert_eq!(again, cells);
 }
 
