@@ -15,8 +15,8 @@ fi
 cd "$home"
 export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$home/target}"
 
-# What cargo tells a test that calls this: build scripts would run again for it, now and in the next `./run test`.
-for name in $(compgen -e CARGO_PKG_) $(compgen -e CARGO_MANIFEST_); do unset "$name"; done
+# What cargo and `./run test` tell a test that calls this: build scripts would run again for it, now and in the next `./run test`.
+for name in $(compgen -e CARGO_PKG_) $(compgen -e CARGO_MANIFEST_) RUSTC_BOOTSTRAP; do unset "$name"; done
 
 say() { printf '[package] %s\n' "$*" >&2; }
 stop() { printf 'error: %s\n' "$*" >&2; exit 2; }

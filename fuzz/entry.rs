@@ -29,6 +29,8 @@ use scaleproof_surface::mesh::{Mesh, MeshPlacement};
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::palette::Palette;
 use scaleproof_surface::texture::{FaceTexels, MappedImages, SurfacePoint, Texture};
+use scaleproof_video::log::{Said, Teller};
+use scaleproof_video::{Input, Video};
 
 /// Camera files: what is read can be written, and reads back as the same camera.
 pub fn camera(bytes: &[u8]) {
@@ -222,6 +224,29 @@ fn mesh(name: &str, bytes: &[u8]) {
         if let Ok(mapped) = MappedImages::from_mesh(&mesh, &[]) {
             colours(&Texture::Images(mapped.images), &mesh);
         }
+    }
+}
+
+/// What ffmpeg says: a frame's time is a number, and no line that begins otherwise than the filter's is a frame.
+pub fn ffmpeg(bytes: &[u8]) {
+    const NAME: &str = "secret";
+    let mut lines = Teller::called(NAME).lines();
+    for line in String::from_utf8_lossy(bytes).lines() {
+        match lines.understood(line) {
+            Some(Said::Frame { time_s, .. }) => assert!(time_s.is_finite() && line.contains(NAME)),
+            Some(Said::Error(words)) => assert!(line.contains(words.as_str()) || line.contains(NAME)),
+            None => {}
+        }
+    }
+}
+
+/// What ffprobe says of an RTSP server's answers: a video within bounds, or a sentence.
+pub fn ffprobe(bytes: &[u8]) {
+    if let Ok(video) = Video::by_answer(Input::other("rtsp://camera/".to_owned(), Vec::new()), bytes) {
+        assert!(video.width > 0 && video.height > 0 && u64::from(video.width) * u64::from(video.height) <= 36_000_000);
+        assert!(video.duration_s.is_none_or(|s| s.is_finite() && s > 0.0));
+        assert!(video.frames_per_s.is_none_or(|rate| rate.is_finite() && rate > 0.0));
+        assert!(video.turned_deg.is_multiple_of(90) && video.turned_deg < 360);
     }
 }
 

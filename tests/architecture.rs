@@ -332,3 +332,45 @@ fn what_belongs_in_one_place_is_in_no_other() {
         }
     }
 }
+
+/// What changes files, and where it may stand: below all that writes, and where a folder is new and nobody else's.
+#[test]
+fn files_are_changed_by_one_door() {
+    const CHANGES: [&str; 13] = [
+        "fs::write",
+        "File::create",
+        "File::options",
+        "OpenOptions",
+        "create_dir",
+        "fs::rename",
+        "fs::copy",
+        "hard_link",
+        "fs::symlink(",
+        "remove_file",
+        "remove_dir",
+        "set_len",
+        "set_permissions",
+    ];
+    let is_below = |module: &Module| module.starts_with(&["core".to_owned(), "files".to_owned()]);
+    // HEIC photos are decoded by a program in a temporary folder.
+    let is_new_folder = |module: &Module| module.join("/") == "photo/photo/heif";
+    for (module, code) in modules() {
+        if is_below(&module) || is_new_folder(&module) {
+            continue;
+        }
+        let found: Vec<&str> = CHANGES
+            .into_iter()
+            .filter(|change| {
+                code.match_indices(change).any(|(at, _)| {
+                    let next = code[at + change.len()..].chars().next();
+                    *change != "set_len" || next == Some('(')
+                })
+            })
+            .collect();
+        assert!(
+            found.is_empty(),
+            "{}: {found:?}: use core's files and files::chosen",
+            module.join("/")
+        );
+    }
+}

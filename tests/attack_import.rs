@@ -24,7 +24,7 @@ fn import(folder: &Path, out: &Path, more: &[&str]) -> Output {
 }
 
 /// A frame of 200×100 pixels, and the mesh of a car of 4 × 2 × 1.5 m at 1:10, whose front half is another material.
-fn folder() -> tempfile::TempDir {
+pub fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("a.npz"), shot(200, 100, &VEHICLE, &CAMERA)).unwrap();
     let mut mesh = String::new();

@@ -351,7 +351,7 @@ fn good_photos() -> Vec<Taken> {
 }
 
 /// The frames of the good session, made once, and what the program said.
-fn good() -> &'static (PathBuf, String) {
+pub fn good() -> &'static (PathBuf, String) {
     static MADE: OnceLock<(PathBuf, String)> = OnceLock::new();
     MADE.get_or_init(|| {
         let session = session("good", MESH, 960, &good_photos());

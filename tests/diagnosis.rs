@@ -232,7 +232,7 @@ fn the_cause_is_named_and_no_other() {
         (Wrong::In(SimulatedFault::WrongPrincipalPoint { px: 200.0 }), None),
     ];
     for (wrong, cause) in causes {
-        let mut named = named(4, 12, wrong);
+        let mut named = named(2, 12, wrong);
         println!("{wrong:?}: {named:?}");
         // Where nobody asks, because most photos are located well in spite of it.
         let fine = named.remove("fine").unwrap_or(0);
@@ -240,7 +240,7 @@ fn the_cause_is_named_and_no_other() {
             None => drop(named.remove("not named")),
             Some(_) => assert!(fine <= 1, "{wrong:?}"),
         }
-        let expected = cause.map(|cause| (cause, 4 - fine));
+        let expected = cause.map(|cause| (cause, 2 - fine));
         assert_eq!(named, expected.into_iter().collect(), "{wrong:?}");
     }
 }

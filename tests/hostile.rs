@@ -5,6 +5,7 @@ mod bounded;
 mod captures;
 mod detectors;
 mod lengths;
+mod names;
 mod outputs;
 mod over_inputs;
 mod pictures;

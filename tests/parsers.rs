@@ -76,6 +76,16 @@ fn camera_files() {
 }
 
 #[test]
+fn words_of_ffmpeg() {
+    survives("ffmpeg", entry::ffmpeg);
+}
+
+#[test]
+fn answers_of_ffprobe() {
+    survives("ffprobe", entry::ffprobe);
+}
+
+#[test]
 fn motion_jpegs() {
     survives("motion_jpeg", entry::motion_jpeg);
 }

@@ -3,10 +3,12 @@
 
 use crate::common;
 
-use std::io::{Read, Write};
-use std::net::{Ipv4Addr, TcpListener};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::path::Path;
 use std::process::{Command, Output};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use common::kills::send;
 use common::served::{MULTIPART, part, serve, taken};
@@ -166,4 +168,68 @@ fn ctrl_c_ends_what_reads_from_a_camera_that_sends_no_image() {
         .filter(|process| reads(&process.path()));
     assert_eq!(left.count(), 0, "ffmpeg still reads");
     assert!(!session.exists());
+}
+
+/// An RTSP server (RFC 2326) that announces a description of 2 GB and sends it, and one that sends on to another.
+#[test]
+fn what_an_rtsp_server_announces_takes_no_memory_and_it_sends_nobody_on() {
+    let sent = Arc::new(AtomicU64::new(0));
+    let counted = sent.clone();
+    let answers = move |_: usize, head: &str, connection: &mut TcpStream| {
+        let cseq = |head: &str| {
+            head.lines()
+                .find(|line| line.starts_with("CSeq"))
+                .unwrap_or_default()
+                .to_owned()
+        };
+        let ok = format!("RTSP/1.0 200 OK\r\n{}\r\nPublic: OPTIONS, DESCRIBE\r\n\r\n", cseq(head));
+        connection.write_all(ok.as_bytes())?;
+        let mut second = String::new();
+        let mut reader = BufReader::new(connection.try_clone()?);
+        while !second.ends_with("\r\n\r\n") && reader.read_line(&mut second)? > 0 {}
+        let cseq = cseq(&second);
+        if second.contains("/away") {
+            let away = format!("RTSP/1.0 302 Found\r\n{cseq}\r\nLocation: rtsp://127.0.0.1:1/other\r\n\r\n");
+            return connection.write_all(away.as_bytes());
+        }
+        let head =
+            format!("RTSP/1.0 200 OK\r\n{cseq}\r\nContent-Type: application/sdp\r\nContent-Length: 2000000000\r\n\r\n");
+        connection.write_all(head.as_bytes())?;
+        loop {
+            connection.write_all(&[b'v'; 65_536])?;
+            counted.fetch_add(65_536, Ordering::Relaxed);
+        }
+    };
+    let port = serve(answers);
+    let out = tempfile::tempdir().unwrap();
+    let session = out.path().join("session");
+    let output = capture(&format!("rtsp://127.0.0.1:{port}/large"), &session);
+    assert_refused(&output, &["cannot be used ("]);
+    let sent = sent.load(Ordering::Relaxed);
+    assert!(sent < 200 << 20, "{} MB were taken", sent >> 20);
+    let output = capture(&format!("rtsp://127.0.0.1:{port}/away"), &session);
+    assert_refused(&output, &["it sends on to another address"]);
+    assert!(!session.exists());
+}
+
+/// A camera's page that sends on is not followed to another host.
+#[test]
+fn a_redirection_is_not_followed() {
+    let asked = Arc::new(AtomicU64::new(0));
+    let counted = asked.clone();
+    let other = serve(move |_, _, connection| {
+        counted.fetch_add(1, Ordering::Relaxed);
+        connection.write_all(MULTIPART.as_bytes())?;
+        loop {
+            part(connection, &photo(0))?;
+        }
+    });
+    let port = serve(move |_, _, connection| {
+        let away = format!("HTTP/1.1 302 Found\r\nLocation: http://127.0.0.1:{other}/\r\nContent-Length: 0\r\n\r\n");
+        connection.write_all(away.as_bytes())
+    });
+    let out = tempfile::tempdir().unwrap();
+    let output = capture(&format!("http://127.0.0.1:{port}/"), &out.path().join("session"));
+    assert_refused(&output, &["cannot be used ("]);
+    assert_eq!(asked.load(Ordering::Relaxed), 0);
 }

@@ -310,3 +310,40 @@ esac";
     );
     assert!(!session.exists());
 }
+
+/// The film is another one when photos of it are made: they would stand under the hash of the first.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_film_that_is_replaced_while_it_is_read_makes_no_photos() {
+    let folder = tempfile::tempdir().unwrap();
+    let (film, session) = (folder.path().join("film.mp4"), folder.path().join("session"));
+    std::fs::copy(walk("normal.mp4"), &film).unwrap();
+    let mut command = from_video(&film, "normal", &session);
+    command
+        .args(["--to", "2"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    // Before the first photo takes its name.
+    let child = kills::stop_at(&mut command, folder.path(), 1);
+    std::fs::copy(walk("random.mp4"), folder.path().join("other.mp4")).unwrap();
+    std::fs::rename(folder.path().join("other.mp4"), &film).unwrap();
+    kills::send(&["-CONT"], &child);
+    let output = child.wait_with_output().unwrap();
+    assert_refused(&output, &["film.mp4", "changed while it was read"]);
+    assert!(!session.exists(), "nothing of it stays");
+}
+
+/// The camera file of the photos for the film of another lens.
+#[test]
+fn a_focal_length_that_fits_in_no_frame_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let camera = folder.path().join("camera.yaml");
+    let text = std::fs::read_to_string(walk("camera.yaml")).unwrap();
+    let fx = scaleproof_pose::camera::Camera::open(&walk("camera.yaml")).unwrap().fx;
+    let other = text.replace(&fx.to_string(), &(1.25 * fx).to_string());
+    assert_ne!(other, text);
+    std::fs::write(&camera, other).unwrap();
+    let mut command = with_camera(&walk("normal.mp4"), &camera, "normal", &folder.path().join("session"));
+    let output = command.args(["--to", "4"]).output().unwrap();
+    assert_refused(&output, &["can be a photo", "the focal length in", "camera.yaml"]);
+}

@@ -67,15 +67,20 @@ def path(value: PathLike) -> str:
     return text
 
 
-def run(*words: str) -> bytes:
+def line(*words: str, paths: Sequence[str] = ()) -> list[str]:
+    """A command's words and options, and behind ``--`` its paths: there, one that begins with a hyphen is no option."""
+    return [*words, "--", *paths] if paths else list(words)
+
+
+def run(*words: str, paths: Sequence[str] = ()) -> bytes:
     """What a command of the program prints."""
-    printed, _ = _native.run(["--quiet", *words])
+    printed, _ = _native.run(line("--quiet", *words, paths=paths))
     return printed
 
 
-def answer(*words: str) -> dict[str, Any]:
+def answer(*words: str, paths: Sequence[str] = ()) -> dict[str, Any]:
     """What a command of the program prints with ``--json``."""
-    found = json.loads(run(*words, "--json"))
+    found = json.loads(run(*words, "--json", paths=paths))
     assert isinstance(found, dict)
     return found
 

@@ -55,6 +55,8 @@ class Pattern:
         except (TypeError, ValueError) as error:
             raise Error(f"what is said about the pattern makes no JSON: {error}") from None
         rows, columns = cells.shape[:2]
+        if not path(file).lower().endswith(".png"):
+            raise Error(f"{shown(path(file))} would hold PNG: let its name end in .png")
         _native.pattern_save(path(file), columns, rows, cells.tobytes(), tile_mm, text)
         return cls(file)
 
@@ -90,5 +92,5 @@ def calibrate(photos: list[PathLike] | PathLike, *, board: PathLike, output: Pat
     """A camera from photos of a calibration board, or folders of them: the camera that was written, and what ``scaleproof calibrate --json`` prints."""
     given = photos if isinstance(photos, list) else [photos]
     words = options(board=path(board), output=path(output), report=report)
-    found = answer("calibrate", *words, *map(path, given))
+    found = answer("calibrate", *words, paths=[path(one) for one in given])
     return Camera(output), found

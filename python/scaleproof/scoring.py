@@ -14,7 +14,7 @@ from typing import Any
 import numpy
 
 from . import _native
-from ._process import Error, PathLike, answer, options, path, progress as _progress, shown
+from ._process import Error, PathLike, answer, line, options, path, progress as _progress, shown
 from .locating import Box, Image, _threads
 from .tables import Table, Value
 
@@ -120,11 +120,9 @@ class Session:
     """A set of photos: a folder with a ``session.json``, or folders of photos of one texture each (:meth:`of_folders`), which stay as they are."""
 
     def __init__(self, folder: PathLike) -> None:
-        self._words = [path(folder)]
-        if self._words[0].startswith("-"):
-            self._words[0] = os.path.join(".", self._words[0])
+        self._paths, self._options = [path(folder)], list[str]()
         #: What ``scaleproof session show --json`` says of it; opening checks all but the photos.
-        self.about: dict[str, Any] = answer("session", "show", *self._words)
+        self.about: dict[str, Any] = answer("session", "show", paths=self._paths)
 
     @classmethod
     def of_folders(
@@ -137,13 +135,13 @@ class Session:
         if not folders:
             raise Error("no folder is named: give the folder of each texture's photos")
         made = cls.__new__(cls)
-        made._words = [f"{texture}={path(folder)}" for texture, folder in folders.items()]
-        made._words += options(scene=path(scene), camera=path(camera), place=place)
+        made._paths = [f"{texture}={path(folder)}" for texture, folder in folders.items()]
+        made._options = options(scene=path(scene), camera=path(camera), place=place)
         made.about = {}
         return made
 
     def __repr__(self) -> str:
-        return f"Session({self._words[0]!r}): {self.about.get('photos', '?')} photos"
+        return f"Session({self._paths[0]!r}): {self.about.get('photos', '?')} photos"
 
 
 @dataclass(frozen=True)
@@ -369,7 +367,8 @@ def score(
     and programs found; functions are always asked. Ctrl-C ends the run.
     """
     given = [session] if isinstance(session, (Session, str, os.PathLike)) else list(session)
-    words = [word for one in given for word in (one._words if isinstance(one, Session) else [path(one)])]
+    paths = [word for one in given for word in (one._paths if isinstance(one, Session) else [path(one)])]
+    words = [word for one in given if isinstance(one, Session) for word in one._options]
     several = isinstance(detectors, (list, tuple)) or (isinstance(detectors, Iterable) and not isinstance(detectors, str) and not callable(detectors))
     asked: list[Any] = [] if detectors is None else list(detectors) if several else [detectors]  # type: ignore[arg-type]
     if several and not asked:
@@ -392,7 +391,7 @@ def score(
     )
     step, close = _progress(progress, "scoring")
     try:
-        return Scores(_native.score(words, functions, step))
+        return Scores(_native.score(line(*words, paths=paths), functions, step))
     finally:
         close()
 
@@ -443,8 +442,9 @@ def plan(
     whose detections are stored tells how confidences vary from view to view. By simulated experiments, decided as :func:`compare` does.
     """
     among = None if comparisons is None else "x".join(str(number) for number in comparisons)
-    where = [] if session is None else (session if isinstance(session, Session) else Session(session))._words
-    found = answer("plan", *where, *options(drop=drop, power=power, comparisons=among))
+    where = None if session is None else session if isinstance(session, Session) else Session(session)
+    words = options(drop=drop, power=power, comparisons=among)
+    found = answer("plan", *words, *(where._options if where else []), paths=where._paths if where else [])
     names = "drop power detectors textures views places photos".split()
     drop, power, detectors, textures, views, places, photos = (found[name] for name in names)
     return Plan(drop, power, detectors, textures, views, places, photos, found)

@@ -348,3 +348,33 @@ def test_a_pattern_is_saved_with_its_card(tmp_path):
 def test_the_reference_is_that_of_the_docstrings():
     written = subprocess.run([sys.executable, Path(__file__).with_name("reference.py")], capture_output=True, text=True, check=True).stdout
     assert written == (HOME / "docs/guide/reference/python.md").read_text()
+
+
+def test_paths_that_look_like_options_are_paths(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "victim.txt").write_text("mine")
+    board = HOME / "calibration/charuco_9x7_22mm.toml"
+    for name in ["--report=victim.txt", "--help", "-q", "--output=victim.txt"]:
+        with pytest.raises(scaleproof.Error):
+            scaleproof.calibrate(name, board=board, output="camera.yaml")
+        with pytest.raises(scaleproof.Error):
+            scaleproof.calibrate([name], board=board, output="camera.yaml")
+        with pytest.raises(scaleproof.Error):
+            scaleproof.Session(name)
+        with pytest.raises(scaleproof.Error):
+            scaleproof.score(name, "yolox_nano")
+        with pytest.raises(scaleproof.Error):
+            scaleproof.plan(0.2, name)
+        made = scaleproof.Session.of_folders({name: tmp_path}, scene=SKYLINE / "scene.toml", camera=SKYLINE / "camera.yaml")
+        with pytest.raises(scaleproof.Error):
+            scaleproof.score(made, "yolox_nano")
+    assert (tmp_path / "victim.txt").read_text() == "mine"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["victim.txt"]
+
+
+def test_a_pattern_takes_no_photo_s_place(tmp_path: Path) -> None:
+    photo = tmp_path / "photo.jpg"
+    photo.write_bytes((SKYLINE / "normal_000.jpg").read_bytes())
+    with pytest.raises(scaleproof.Error, match="photo.jpg' would hold PNG"):
+        scaleproof.Pattern.save(photo, numpy.zeros((4, 4, 3), numpy.uint8))
+    assert photo.read_bytes() == (SKYLINE / "normal_000.jpg").read_bytes()

@@ -40,7 +40,7 @@ pub(super) fn run_manuals(args: &ManualsArgs, out: &mut dyn Write) -> CommandRes
     whole.build();
     let mut pages = Vec::new();
     add_pages(&whole, &args.output, &mut pages)?;
-    files::replace_all_atomically(&pages)?;
+    files::replace_all_atomically(&args.output, &pages)?;
     writeln!(out, "{}: {} manual pages", args.output.display(), pages.len())?;
     Ok(Outcome::Done)
 }

@@ -67,7 +67,7 @@ fn make(args: &Args, out: &mut dyn Write) -> Result<(Answer, Scores)> {
     let session = Session::open(&home().join("captures/skyline"))?;
     let pattern = Pattern::random(16, 1)?;
     let png = args.output.join("random16.png");
-    files::replace_atomically(&png, &pattern.to_png()?)?;
+    files::replace_atomically(&args.output, &png, &pattern.to_png()?)?;
     let pdf = args.output.join("template.pdf");
     // The published tile size, 16 cells over 118 mm at 1:10.
     let printed = print_template(&pattern, "random16.png", 118.0, &pdf)?;

@@ -187,7 +187,7 @@ fn new(args: NewArgs, out: &mut dyn Write) -> CommandResult {
     Scene::parse(&text, path)?;
     let mut files = vec![(path.clone(), text.into_bytes())];
     files.extend(preview);
-    files::write_all_atomically(&files)?;
+    files::write_beside(&[path], &files)?;
     units::note(doubt);
     let tags = scene.tags.len();
     told(args.json, written(&files, Answer { tags }), words, out)

@@ -52,7 +52,7 @@ pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
         let text = serde_json::to_string_pretty(&schema)? + "\n";
         new.push((args.output.join(format!("{name}.json")), text.into_bytes()));
     }
-    files::replace_all_atomically(&new)?;
+    files::replace_all_atomically(&args.output, &new)?;
     writeln!(out, "{}: {} schemas", args.output.display(), new.len())?;
     Ok(Outcome::Done)
 }

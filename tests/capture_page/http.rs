@@ -62,6 +62,8 @@ impl Answer {
 /// One connection at a time, kept while the server keeps it.
 pub struct Client {
     host: String,
+    /// The line of the head with what the page's code was exchanged for; none for a stranger.
+    cookie: String,
     stream: Option<BufReader<TcpStream>>,
 }
 
@@ -69,7 +71,17 @@ impl Client {
     pub fn new(host: &str) -> Client {
         Client {
             host: host.to_owned(),
+            cookie: String::new(),
             stream: None,
+        }
+    }
+
+    /// A browser that has a cookie: a line of a head, with its end.
+    pub fn with_cookie(host: &str, cookie: &str) -> Client {
+        let cookie = cookie.to_owned();
+        Client {
+            cookie,
+            ..Client::new(host)
         }
     }
 
@@ -91,7 +103,7 @@ impl Client {
     }
 
     fn try_send(&mut self, mut stream: BufReader<TcpStream>, request: &Request) -> Option<Answer> {
-        let head = request.head.replace("{host}", &self.host) + "\r\n";
+        let head = request.head.replace("{host}", &self.host) + &self.cookie + "\r\n";
         // A server that refuses by the head alone does not read on; its answer is there all the same.
         let _ = stream.get_mut().write_all(&[head.as_bytes(), &request.body].concat());
         let answer = read(&mut stream)?;

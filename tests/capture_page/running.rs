@@ -4,6 +4,7 @@
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::OnceLock;
 use std::thread::JoinHandle;
 
 use serde_json::Value;
@@ -19,6 +20,8 @@ pub struct Running {
     /// The page's address, without the slash at its end.
     pub address: String,
     pub folder: tempfile::TempDir,
+    is_lan: bool,
+    cookie: OnceLock<String>,
 }
 
 impl Running {
@@ -30,6 +33,7 @@ impl Running {
 
     /// A capture with `--page --json` that somebody else put together.
     pub fn of(mut command: Command, folder: tempfile::TempDir) -> Running {
+        let is_lan = command.get_args().any(|argument| argument == "--lan");
         let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         let mut out = BufReader::new(child.stdout.take().unwrap());
         let mut line = String::new();
@@ -48,6 +52,8 @@ impl Running {
             listener: Some(std::thread::spawn(listen)),
             address,
             folder,
+            is_lan,
+            cookie: OnceLock::new(),
         }
     }
 
@@ -55,8 +61,22 @@ impl Running {
         self.address["http://".len()..].split('/').next().unwrap().to_owned()
     }
 
+    /// A client that is known to a page of this machine; a stranger to one of the network.
     pub fn client(&self) -> Client {
-        Client::new(&self.host())
+        Client::with_cookie(&self.host(), self.cookie())
+    }
+
+    /// The line of a head with what this machine's code was exchanged for at the first call.
+    pub fn cookie(&self) -> &str {
+        self.cookie.get_or_init(|| {
+            if self.is_lan {
+                return String::new();
+            }
+            let (_, join) = self.address.rsplit_once("/join/").unwrap();
+            let joined = Client::new(&self.host()).get(&format!("/join/{join}"));
+            let pair = joined.header("set-cookie").split(';').next().unwrap();
+            format!("Cookie: {pair}\r\n")
+        })
     }
 
     pub fn session(&self) -> PathBuf {

@@ -374,3 +374,48 @@ fn a_network_that_never_answers_is_stopped() {
     let text = proposed.unwrap_err().to_string();
     assert!(text.contains("endless.onnx has not answered within 1 s"), "{text}");
 }
+
+/// 239 bytes of a configuration ask for 1.6 GB of numbers.
+#[test]
+fn a_configuration_takes_no_memory_that_its_weights_do_not_fill() {
+    let cases = crate::common::home().join("tests/data/cases/hold2");
+    let out = tempfile::tempdir().unwrap();
+    let mut command = program();
+    command
+        .args(["detectors", "add"])
+        .args([cases.join("large_filters.cfg"), cases.join("ones.weights")])
+        .arg("-o")
+        .arg(out.path().join("x.toml"));
+    let ended = crate::hostile::bounded::run(&mut command);
+    assert_refused(&ended.output, &["large_filters.cfg", "is it a Darknet configuration?"]);
+    assert!(ended.memory < 400 << 20, "{} MB", ended.memory >> 20);
+    assert_eq!(std::fs::read_dir(out.path()).unwrap().count(), 0);
+}
+
+/// A network whose text ONNX Runtime would log.
+#[test]
+fn what_a_network_says_of_itself_reaches_the_terminal_in_one_sentence_without_escapes() {
+    let network = crate::common::home().join("tests/data/cases/hold2/ort_log_escape.onnx");
+    let out = tempfile::tempdir().unwrap();
+    for more in [
+        &[][..],
+        &["--labels", "coco80"],
+        &["--labels", "coco80", "--family", "yolov8"],
+    ] {
+        let mut command = program();
+        command.args(["detectors", "add"]).arg(&network).args(more);
+        command.arg("-o").arg(out.path().join("x.toml"));
+        let output = command.output().unwrap();
+        let said = [output.stdout, output.stderr].concat();
+        assert!(
+            !said.iter().any(|byte| byte.is_ascii_control() && !b"\n".contains(byte)),
+            "{}",
+            String::from_utf8_lossy(&said).escape_debug()
+        );
+        let said = String::from_utf8_lossy(&said);
+        assert!(
+            said.lines().filter(|line| line.starts_with("error: ")).count() <= 1,
+            "{said}"
+        );
+    }
+}

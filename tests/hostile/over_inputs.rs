@@ -68,7 +68,7 @@ const COMMANDS: &[&str] = &[
 ];
 
 /// Inputs of every kind; the session has one photo of each texture.
-fn folder() -> TempDir {
+pub(super) fn folder() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let copied = |from: &Path, to: &str| {
         let to = folder.path().join(to);

@@ -88,7 +88,7 @@ fn every_route_answers_every_request_and_goes_on() {
 fn connections_that_ask_and_read_nothing_keep_nobody_out() {
     let running = Running::start("upload", &[]);
     let host = running.host();
-    let questions = format!("GET /page.js HTTP/1.1\r\nHost: {host}\r\n\r\n").repeat(500);
+    let questions = format!("GET /page.js HTTP/1.1\r\nHost: {host}\r\n{}\r\n", running.cookie()).repeat(500);
     let deaf: Vec<TcpStream> = (0..300)
         .map(|_| {
             let mut stream = TcpStream::connect(&host).unwrap();
@@ -106,7 +106,8 @@ fn connections_that_ask_and_read_nothing_keep_nobody_out() {
 fn a_deaf_connection_is_closed() {
     let running = Running::start("upload", &[]);
     let mut deaf = connect(&running.host());
-    let questions = format!("GET /page.js HTTP/1.1\r\nHost: {}\r\n\r\n", running.host()).repeat(2000);
+    let (host, cookie) = (running.host(), running.cookie());
+    let questions = format!("GET /page.js HTTP/1.1\r\nHost: {host}\r\n{cookie}\r\n").repeat(2000);
     deaf.get_mut().set_write_timeout(Some(HANG)).unwrap();
     let (begin, mut sent) = (Instant::now(), Ok(()));
     while sent.is_ok() && begin.elapsed() < HANG {
@@ -134,7 +135,9 @@ fn slow_uploads_give_their_places_to_a_good_one() {
             .map(|_| {
                 let mut stream = TcpStream::connect(running.host()).unwrap();
                 let head = upload("image/jpeg", &photo).head.replace("{host}", &running.host());
-                stream.write_all(format!("{head}\r\n").as_bytes()).unwrap();
+                stream
+                    .write_all(format!("{head}{}\r\n", running.cookie()).as_bytes())
+                    .unwrap();
                 stream.write_all(&photo[..first]).unwrap();
                 stream
             })
@@ -172,7 +175,8 @@ fn previews_that_nobody_waits_for_are_made_one_at_a_time() {
     let number = client.get("/state/0").json()["frame"]["number"].as_u64().unwrap();
     for _ in 0..12 {
         let mut leaves = TcpStream::connect(running.host()).unwrap();
-        let head = format!("GET /preview/{number} HTTP/1.1\r\nHost: {}\r\n\r\n", running.host());
+        let (host, cookie) = (running.host(), running.cookie());
+        let head = format!("GET /preview/{number} HTTP/1.1\r\nHost: {host}\r\n{cookie}\r\n");
         leaves.write_all(head.as_bytes()).unwrap();
         std::thread::sleep(Duration::from_millis(30));
     }

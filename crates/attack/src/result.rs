@@ -51,10 +51,10 @@ pub fn write(
     if let Some(config) = config {
         new.push((config_path.clone(), serde_json::to_vec_pretty(config)?));
     }
-    files::replace_all_atomically(&new)?;
+    files::replace_all_atomically(folder, &new)?;
     // Settings of an earlier attack are not those of this pattern.
     if config.is_none() && config_path.is_file() {
-        files::remove(&config_path)?;
+        files::chosen::remove(folder, &config_path)?;
     }
     Ok(path)
 }

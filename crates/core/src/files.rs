@@ -1,11 +1,13 @@
 //! Files: content hashes, and writing so that nothing half-written stays behind.
 
+pub mod chosen;
 pub mod environment;
 pub mod inputs;
 mod journal;
 pub mod limit;
 mod place;
 mod staged;
+mod state;
 
 use std::fs::File;
 use std::io::Read;
@@ -16,6 +18,7 @@ use sha2::{Digest, Sha256};
 use crate::workers::interruption;
 use place::OutputPlace;
 use staged::Staged;
+pub use state::FileState;
 
 /// A file that could not be read or written, or that holds something else than it should; as a sentence.
 #[derive(Debug, thiserror::Error)]
@@ -160,22 +163,48 @@ pub fn is_stream(path: &Path) -> Result<bool, FileError> {
 /// A symbolic link stays, and its target is written. Standard output (`-`), pipes and character devices are written to. What is neither is
 /// refused before anything is written, and so is the place of an input ([`inputs`]).
 pub fn write_all_atomically(files: &[(impl AsRef<Path>, impl AsRef<[u8]>)]) -> Result<(), FileError> {
+    write_some_named(files, |_| true)
+}
+
+/// Writes outputs as [`write_all_atomically`] does, of which a user named these alone: the names of the others this program made of them, so that a
+/// link in the place of one is replaced and never followed ([`chosen`]).
+pub fn write_beside(named: &[&Path], files: &[(impl AsRef<Path>, impl AsRef<[u8]>)]) -> Result<(), FileError> {
+    write_some_named(files, |path| named.contains(&path))
+}
+
+fn write_some_named(
+    files: &[(impl AsRef<Path>, impl AsRef<[u8]>)],
+    is_named: impl Fn(&Path) -> bool,
+) -> Result<(), FileError> {
     let (mut regular, mut streams) = (Vec::new(), Vec::new());
     for (path, content) in files {
-        match OutputPlace::at(path.as_ref())? {
+        let path = path.as_ref();
+        if !is_named(path) {
+            chosen::check(path.parent().unwrap_or(Path::new("")), path)?;
+            regular.push((path.to_owned(), content));
+            continue;
+        }
+        match OutputPlace::at(path)? {
             OutputPlace::File(path) => regular.push((path, content)),
             OutputPlace::Stream(stream) => streams.push((stream, content)),
         }
     }
     inputs::refuse_twice(regular.iter().map(|(path, _)| path.as_path()))?;
-    replace_all_atomically(&regular)?;
+    replace_all(&regular)?;
     let mut streams = streams.into_iter();
     streams.try_for_each(|(stream, content)| place::write_to(&stream, content.as_ref()))
 }
 
-/// Writes files whose names this program chose into a folder that a user named, together, as [`write_all_atomically`] does. A symbolic link in
-/// the place of one is replaced, never followed: the folder may come from somebody else.
-pub fn replace_all_atomically(files: &[(impl AsRef<Path>, impl AsRef<[u8]>)]) -> Result<(), FileError> {
+/// Writes files whose names this program chose below a folder that a user named, together, as [`write_all_atomically`] does. A link in the place
+/// of one is replaced, and one in the place of a folder between is refused ([`chosen`]): the folder may come from somebody else.
+pub fn replace_all_atomically(home: &Path, files: &[(impl AsRef<Path>, impl AsRef<[u8]>)]) -> Result<(), FileError> {
+    files
+        .iter()
+        .try_for_each(|(path, _)| chosen::check(home, path.as_ref()))?;
+    replace_all(files)
+}
+
+fn replace_all(files: &[(impl AsRef<Path>, impl AsRef<[u8]>)]) -> Result<(), FileError> {
     interruption::check();
     files.iter().try_for_each(|(path, _)| inputs::refuse(path.as_ref()))?;
     let mut staged = Vec::new();
@@ -188,7 +217,8 @@ pub fn replace_all_atomically(files: &[(impl AsRef<Path>, impl AsRef<[u8]>)]) ->
 }
 
 /// Writes one file as [`replace_all_atomically`] does, without a look at what killed runs left in the folder.
-pub fn replace_atomically(path: &Path, content: &[u8]) -> Result<(), FileError> {
+pub fn replace_atomically(home: &Path, path: &Path, content: &[u8]) -> Result<(), FileError> {
+    chosen::check(home, path)?;
     inputs::refuse(path)?;
     Staged::write(path, content)?.persist().map(drop)
 }
@@ -225,15 +255,6 @@ pub fn check_file_writable(path: &Path) -> Result<(), FileError> {
     }
 }
 
-/// Removes a file, if it exists and is no input.
-pub fn remove(path: &Path) -> Result<(), FileError> {
-    inputs::refuse(path)?;
-    match std::fs::remove_file(path) {
-        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(FileError::write(path, &e)),
-        _ => Ok(()),
-    }
-}
-
 /// The whole path of a file or folder, without links.
 pub fn whole_path(path: &Path) -> Result<PathBuf, FileError> {
     path.canonicalize().map_err(|e| FileError::read(path, &e))
@@ -264,6 +285,11 @@ pub fn folder_of(path: &Path) -> &Path {
         .unwrap_or(Path::new("."))
 }
 
+/// Whether a name is one under which this program writes a file or fills a folder.
+pub fn is_temporary(name: &str) -> bool {
+    staged::name_of(name).is_some()
+}
+
 /// Makes a new file or folder under a temporary name beside the place of the file or folder that it is for. What is there is never touched:
 /// containers may number their processes alike, and a killed run of the same number may have left one.
 fn new_beside<T>(path: &Path, make: impl Fn(&Path) -> std::io::Result<T>) -> std::io::Result<(PathBuf, T)> {
@@ -275,6 +301,17 @@ fn new_beside<T>(path: &Path, make: impl Fn(&Path) -> std::io::Result<T>) -> std
             made => return made.map(|made| (temporary, made)),
         }
     }
+}
+
+/// Makes the folder that a user named, and those on its way, where they are missing.
+pub fn make_named_folder(folder: &Path) -> Result<(), FileError> {
+    std::fs::create_dir_all(folder).map_err(|e| FileError::write(folder, &e))
+}
+
+/// Removes a folder that a user named, where nothing lies in it.
+pub fn remove_if_empty(folder: &Path) {
+    // What cannot be removed is in nobody's way.
+    let _ = std::fs::remove_dir(folder);
 }
 
 /// Makes a folder where nothing is, or an empty one: `fill` writes its files under a temporary name beside it, then it takes its place. What
@@ -302,6 +339,10 @@ pub fn copy(from: &Path, to: &Path) -> Result<(), FileError> {
     let failed = |e| FileError::cannot_write(to, format!("copying {} failed: {}", from.display(), plain(&e)));
     std::fs::create_dir_all(folder_of(to)).map_err(failed)?;
     inputs::note(from);
+    // Reading a named pipe would wait for ever.
+    if !from.metadata().map_err(failed)?.is_file() {
+        return Err(FileError::cannot_read(from, not_a_file(from)));
+    }
     std::fs::copy(from, to).map(drop).map_err(failed)
 }
 
@@ -323,6 +364,9 @@ pub fn sha256_hex(bytes: &[u8]) -> String {
 pub fn sha256_of_file(path: &Path) -> Result<String, FileError> {
     let failed = |e| FileError::read(path, &e);
     inputs::note(path);
+    if !path.metadata().map_err(failed)?.is_file() {
+        return Err(FileError::cannot_read(path, not_a_file(path)));
+    }
     let (mut file, mut hash) = (File::open(path).map_err(failed)?, Sha256::new());
     let mut part = vec![0; 1 << 20];
     loop {

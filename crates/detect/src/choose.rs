@@ -165,7 +165,7 @@ pub fn register(manifest: &Manifest, folders: &WeightFolders) -> Result<PathBuf,
     let path = path(&name).ok_or(RegisterError::NoFolder)?;
     let text = kept.to_toml()?;
     if !path.exists() {
-        files::replace_atomically(&path, text.as_bytes())?;
+        files::replace_atomically(files::folder_of(&path), &path, text.as_bytes())?;
     } else if files::read_text(&path).ok() != Some(text) {
         return Err(RegisterError::Taken { name });
     }
@@ -184,6 +184,6 @@ pub fn unregister(name: &str) -> Result<PathBuf, RegisterError> {
         return Err(RegisterError::NotThere { name, registered });
     }
     let path = path(name).ok_or(RegisterError::NoFolder)?;
-    files::remove(&path)?;
+    files::chosen::remove(files::folder_of(&path), &path)?;
     Ok(path)
 }

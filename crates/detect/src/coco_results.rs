@@ -185,8 +185,8 @@ impl Recorded {
             ..recording
         };
         let provenance = serde_json::to_string_pretty(&recording).map_err(syntax)? + "\n";
-        files::replace_atomically(&results_path, results.as_bytes())?;
-        files::replace_atomically(&provenance_path, provenance.as_bytes())?;
+        files::replace_atomically(folder, &results_path, results.as_bytes())?;
+        files::replace_atomically(folder, &provenance_path, provenance.as_bytes())?;
         Ok(())
     }
 

@@ -1,6 +1,6 @@
 //! Downloads weights: with progress, resumed where it stopped, and kept only when the hash is right.
 
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -44,7 +44,7 @@ pub enum FetchError {
         "the network of {name} keeps tensors in {file}, which is no file beside it that could be fetched: put both into a folder by hand"
     )]
     TensorsElsewhere { name: String, file: String },
-    #[error("{path} is a link or a folder, and the download would be collected in it: remove it", path = path.display())]
+    #[error("{path} is a link or a folder, or has a second name, and the download would be collected in it: remove it", path = path.display())]
     NoPart { path: PathBuf },
 }
 
@@ -78,6 +78,8 @@ pub fn fetch_within(
         return Err(FetchError::NoUrl { name, file });
     }
     let (target, part) = (folder.join(&file), folder.join(format!("{file}.part")));
+    // Its hash is looked at before it takes its name.
+    files::inputs::own(&part);
     let is_there = std::fs::symlink_metadata(&target).is_ok();
     let network = if is_there { &target } else { &part };
     if !is_there {
@@ -85,8 +87,7 @@ pub fn fetch_within(
     }
     let fetched = fetch_tensors(manifest, network, folder, progress, patience)?;
     if other_hash(manifest, network)?.is_some() {
-        // What was read is an input, which `files::remove` keeps.
-        let remove = |file: &Path| std::fs::remove_file(file).map_err(|e| files::FileError::write(file, &e));
+        let remove = |file: &Path| files::chosen::remove(folder, file);
         fetched.iter().try_for_each(|file| remove(file))?;
         if is_there {
             return Err(FetchError::Taken { name, path: target });
@@ -96,7 +97,7 @@ pub fn fetch_within(
         return Err(FetchError::WrongFile { name, url });
     }
     if !is_there {
-        std::fs::rename(&part, &target).map_err(|e| files::FileError::write(&target, &e))?;
+        files::chosen::rename(folder, &part, &target)?;
     }
     Ok(target)
 }
@@ -128,7 +129,8 @@ fn fetch_tensors(
                 progress,
                 patience,
             )?;
-            std::fs::rename(&part, &target).map_err(|e| files::FileError::write(&target, &e))?;
+            files::chosen::rename(folder, &part, &target)?;
+            files::inputs::own(&target);
             fetched.push(target);
         }
     }
@@ -151,23 +153,25 @@ fn collect(
     patience: Duration,
 ) -> Result<(), FetchError> {
     let folder = files::folder_of(part);
-    let have = match std::fs::symlink_metadata(part) {
-        Ok(about) if about.is_file() => about.len(),
-        // A link is not followed: the download would be written to wherever it points.
-        Ok(_) => return Err(FetchError::NoPart { path: part.to_owned() }),
-        Err(_) => 0,
-    };
+    // Through a link, the download would be written to wherever it points.
+    let no_part = |_| FetchError::NoPart { path: part.to_owned() };
+    let have = files::chosen::begun(folder, part).map_err(no_part)?;
     let Some(response) = request(manifest, url, folder, have, patience)? else {
         return Ok(());
     };
     let failed = |e: std::io::Error| files::FileError::write(part, &e);
-    std::fs::create_dir_all(folder).map_err(failed)?;
+    files::make_named_folder(folder)?;
     let resumed = response.status() == 206 && have > 0;
     let have = if resumed { have } else { 0 };
-    let mut to = open_part(part, resumed).map_err(failed)?;
+    let open = if resumed {
+        files::chosen::appended
+    } else {
+        files::chosen::new_file
+    };
+    let mut to = open(folder, part)?;
     let received = receive(manifest, response, &mut to, have, progress, patience);
     if matches!(received, Err(FetchError::TooLarge { .. })) {
-        files::remove(part)?;
+        files::chosen::remove(folder, part)?;
     }
     received?;
     Ok(to.sync_all().map_err(failed)?)
@@ -211,17 +215,6 @@ fn request(
             status,
         }),
     }
-}
-
-fn open_part(part: &Path, resumed: bool) -> std::io::Result<File> {
-    if resumed {
-        return OpenOptions::new().append(true).open(part);
-    }
-    // A new file, so that nothing is written through a link that came in between.
-    if std::fs::symlink_metadata(part).is_ok() {
-        std::fs::remove_file(part)?;
-    }
-    OpenOptions::new().write(true).create_new(true).open(part)
 }
 
 fn receive(

@@ -81,7 +81,8 @@ fn load() -> Result<Runtime, DetectError> {
     let builder = ort::init_from(&file).map_err(|e| missing(first_line(&e)))?;
     let named = builder.with_telemetry(false).with_name("scaleproof");
     let environment = named.build().map_err(|e| missing(first_line(&e)))?;
-    environment.set_log_level(LogLevel::Error);
+    // What a network says of itself would reach the terminal as it is; complaints come back as errors.
+    environment.set_log_level(LogLevel::Fatal);
     Ok(Runtime {
         environment,
         library: files::name_of(&std::fs::canonicalize(&file).unwrap_or(file.into())),
@@ -195,7 +196,7 @@ pub(super) fn session(runtime: &Runtime, weights: &Path) -> Result<Session, Dete
         Session::builder(&runtime.environment)?
             .with_optimization_level(GraphOptimizationLevel::Level3)?
             .with_intra_threads(1)?
-            .with_log_level(LogLevel::Error)?
+            .with_log_level(LogLevel::Fatal)?
             .commit_from_file(weights)
     };
     load().map_err(|e: ort::Error| DetectError::Model {

@@ -11,7 +11,7 @@ use crate::choose::Chosen;
 use crate::hold::Held;
 use crate::look::Look;
 use scaleproof_capture::capture::{Guidance, Judge, Measures, Sidecar, Tolerance, sidecar_of, slug};
-use scaleproof_core::files::{self, FileError};
+use scaleproof_core::files::{self, FileError, FileState};
 use scaleproof_core::geometry::rigid;
 use scaleproof_photo::photo::{self, Budget, Photo, PhotoError};
 use scaleproof_pose::camera::Camera;
@@ -48,6 +48,8 @@ pub struct Keeper<'a> {
     pub video: &'a Video,
     /// The video's name and SHA-256.
     pub hashed: (&'a str, &'a str),
+    /// The video as it was before it was hashed.
+    pub state: &'a FileState,
     pub scene: &'a Scene,
     pub camera: &'a Camera,
     pub detector: TagDetectorChoice,
@@ -193,6 +195,8 @@ impl Keeper<'_> {
                 }
             }
         }
+        // Photos of one film under the hash of another would be nobody's.
+        self.state.check()?;
         Ok(kept.into_values().collect())
     }
 
@@ -231,7 +235,7 @@ impl Keeper<'_> {
     fn remove(&self, folder: &Path, file: &str) -> Result<(), FileError> {
         [file.to_owned(), sidecar_of(file)]
             .iter()
-            .try_for_each(|name| files::remove(&folder.join(name)))
+            .try_for_each(|name| files::chosen::remove(folder, &folder.join(name)))
     }
 
     /// Writes the photo of one frame, and what is known of it beside it; `None` when at full size it is not what it was taken for.
@@ -293,8 +297,8 @@ impl Keeper<'_> {
         let beside = folder.join(sidecar_of(&kept.file));
         let sidecar = self.sidecar(&kept, target, &located, photo.sha256.clone());
         let text = serde_json::to_string_pretty(&sidecar).map_err(|e| FileError::content(&beside, e))?;
-        files::replace_atomically(&path, photo.bytes())?;
-        files::replace_atomically(&beside, (text + "\n").as_bytes())?;
+        files::replace_atomically(folder, &path, photo.bytes())?;
+        files::replace_atomically(folder, &beside, (text + "\n").as_bytes())?;
         Ok(Some(kept))
     }
 

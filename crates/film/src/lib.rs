@@ -6,9 +6,10 @@
 //! - [`hold`]: those that may be chosen, held while the film is looked at;
 //! - [`pairs`]: the viewpoints that frames are to be pairs of;
 //! - [`keep`]: chosen frames in their colours, located once more the one way, and written;
-//! - [`walk`]: all of this for one video;
+//! - [`walk`]: all of this for one video; [`cause`]: why its frames have no pose;
 //! - [`coverage`] and [`sheet`]: what was seen, chosen and refused, as pictures.
 
+pub mod cause;
 pub mod choose;
 pub mod coverage;
 pub mod hold;

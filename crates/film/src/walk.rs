@@ -10,6 +10,7 @@ use crate::look::{Look, Looker, Unplaced};
 use crate::motion;
 use crate::pairs::Wanted;
 use scaleproof_capture::capture::MAX_BLUR_PX;
+use scaleproof_core::files::FileState;
 use scaleproof_core::spelling::count;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Bin, Scene, Viewpoint};
@@ -25,6 +26,8 @@ pub struct Walk {
     /// The video's name and SHA-256.
     pub name: String,
     pub sha256: String,
+    /// The video as it was before it was hashed.
+    pub state: FileState,
     pub scene: Scene,
     pub camera: Camera,
     /// The viewpoints that frames are to be pairs of.
@@ -164,6 +167,7 @@ impl Walk {
         let keeper = Keeper {
             video: &self.video,
             hashed: (&self.name, &self.sha256),
+            state: &self.state,
             scene: &self.scene,
             camera: &self.camera,
             detector: TagDetectorChoice::default(),

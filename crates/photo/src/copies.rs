@@ -79,11 +79,15 @@ pub fn places(
     }
 }
 
+/// Writes the copy at one of [`places`].
 pub fn write(place: &Path, image: &RgbImage) -> Result<(), CopiesError> {
     let mut jpeg = Vec::new();
     let encoded = JpegEncoder::new_with_quality(&mut jpeg, QUALITY).encode_image(image);
     encoded.map_err(|_| CopiesError::Encode { path: place.to_owned() })?;
-    Ok(files::replace_all_atomically(&[(place, marked(&jpeg))])?)
+    Ok(files::replace_all_atomically(
+        files::folder_of(place),
+        &[(place, marked(&jpeg))],
+    )?)
 }
 
 /// Whether a file begins as [`marked`] begins it.

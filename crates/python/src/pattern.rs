@@ -46,7 +46,7 @@ pub fn pattern_save(
                 };
                 all.push(card.to_file(&path).map_err(refused)?);
             }
-            files::replace_all_atomically(&all).map_err(refused)
+            files::write_beside(&[&path], &all).map_err(refused)
         })?
     })
 }

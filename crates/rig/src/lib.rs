@@ -1,4 +1,4 @@
-//! What is measured once for a set-up: camera calibration from photos of a board, and a survey of tags placed by hand.
+//! Measurements made once for a set-up: camera calibration from photos of a board, and a survey of tags placed by hand.
 //!
 //! ```
 //! use std::path::Path;

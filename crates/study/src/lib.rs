@@ -3,7 +3,7 @@
 //! ```
 //! use scaleproof_study::chart::stability::{photo_steps, view_steps};
 //!
-//! // How many steps the sweeps have that drive a method until it breaks.
+//! // Numbers of steps of the sweeps that drive a method until it breaks.
 //! assert!(view_steps() > 40 && photo_steps(16) > 400);
 //! ```
 

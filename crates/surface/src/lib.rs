@@ -1,4 +1,4 @@
-//! A model's surface: meshes, repeated patterns, and what colour each point of the surface has.
+//! A model's surface: meshes, repeated patterns, and the colour of each point of the surface.
 //!
 //! Lengths are millimetres in the model frame: x to the front, y to the left, z up, the origin on the ground.
 //!

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use image::{GrayImage, RgbImage};
 
-use crate::log::{Said, listen, plain};
+use crate::log::{Said, Teller, listen, plain};
 use crate::probe::{MOST_MEGAPIXELS, Range};
 use crate::program::{Running, command, drain, every_frame_option, version};
 use crate::{Video, VideoError};
@@ -253,8 +253,9 @@ impl Video {
 impl<P: Pixels> Frames<P> {
     /// Starts ffmpeg; `filter` gives frames their size and colours.
     pub(crate) fn start(video: &Video, selection: &Selection, filter: Filter) -> Result<Frames<P>, VideoError> {
-        let name = video.input.name.clone();
+        let (name, teller) = (video.input.name.clone(), Teller::default());
         let mut command = command("ffmpeg", &name)?;
+        video.input.feed(&mut command)?;
         command
             .args(input_options())
             .args(
@@ -265,8 +266,8 @@ impl<P: Pixels> Frames<P> {
             )
             .args(&video.input.arguments)
             .args(["-map", &format!("0:{}", video.stream)])
-            .args(output_arguments::<P>(selection, &filter));
-        let mut running = Running::start(command, "ffmpeg", &name)?;
+            .args(output_arguments::<P>(selection, &filter, &teller));
+        let mut running = Running::start(command, "ffmpeg", &name)?.bounded(video.input.most_memory);
         let (Some(stdout), Some(stderr)) = (running.0.stdout.take(), running.0.stderr.take()) else {
             let reason = "it has no output".to_owned();
             let program = "ffmpeg";
@@ -276,7 +277,7 @@ impl<P: Pixels> Frames<P> {
         Ok(Frames {
             expected_s: end_s
                 .filter(|_| selection.is_whole && selection.numbers.is_none() && video.duration_s.is_some()),
-            said: listen(stderr),
+            said: listen(stderr, &teller),
             images: images(stdout, selection.size(video), filter.is_limited),
             running,
             video: video.clone(),
@@ -399,7 +400,7 @@ impl<P: Pixels> Frames<P> {
     /// The fault behind a complaint of ffmpeg's: the video's, unless it says the same of any picture.
     fn damaged(&self) -> VideoError {
         let name = self.name.clone();
-        if let Err(reason) = takes(&output_arguments::<P>(&self.selection, &self.filter), self.video.range) {
+        if let Err(reason) = takes::<P>(&self.selection, &self.filter, self.video.range) {
             let version = version().to_owned();
             return VideoError::OtherDecoder { name, version, reason };
         }
@@ -447,13 +448,14 @@ fn input_options() -> [String; 7] {
 }
 
 /// What ffmpeg is told of its output: every chosen frame, with its own time, as raw bytes.
-fn output_arguments<P: Pixels>(selection: &Selection, filter: &Filter) -> Vec<String> {
+fn output_arguments<P: Pixels>(selection: &Selection, filter: &Filter, teller: &Teller) -> Vec<String> {
     let choice = selection.expression().map(|e| format!("select={e}"));
-    let filters = [Some("showinfo=checksum=0".to_owned()), choice, filter.frames.clone()];
+    let filters = [Some(teller.filter()), choice, filter.frames.clone()];
     let filters: Vec<String> = filters.into_iter().flatten().collect();
-    let mut arguments: Vec<String> = ["-an", "-sn", "-dn", "-vf", &filters.join(",")]
+    let mut arguments: Vec<String> = ["-an", "-sn", "-dn", "-map_metadata", "-1", "-map_chapters", "-1"]
         .map(str::to_owned)
         .into();
+    arguments.extend(["-vf", &filters.join(",")].map(str::to_owned));
     arguments.extend([every_frame_option(), "passthrough"].map(str::to_owned));
     // A clock of microseconds: on that of their mean rate two frames of a variable rate would fall together.
     arguments.extend(["-enc_time_base", "1/1000000"].map(str::to_owned));
@@ -472,9 +474,9 @@ fn output_arguments<P: Pixels>(selection: &Selection, filter: &Filter) -> Vec<St
 ///
 /// # Errors
 /// What it says.
-fn takes(output: &[String], range: Range) -> Result<(), String> {
+fn takes<P: Pixels>(selection: &Selection, filter: &Filter, range: Range) -> Result<(), String> {
     const PICTURE: [usize; 2] = [64, 64];
-    let not_started = |e: VideoError| e.to_string();
+    let (not_started, teller) = (|e: VideoError| e.to_string(), Teller::default());
     let mut command = command("ffmpeg", "").map_err(not_started)?;
     command
         .args(input_options())
@@ -482,7 +484,7 @@ fn takes(output: &[String], range: Range) -> Result<(), String> {
         .arg(format!("{}x{}", PICTURE[0], PICTURE[1]))
         .args(range.options())
         .args(["-i", "pipe:0"])
-        .args(output)
+        .args(output_arguments::<P>(selection, filter, &teller))
         .stdin(Stdio::piped());
     let mut running = Running::start(command, "ffmpeg", "").map_err(not_started)?;
     if let Some(mut stdin) = running.0.stdin.take() {
@@ -490,7 +492,8 @@ fn takes(output: &[String], range: Range) -> Result<(), String> {
         let _ = stdin.write_all(&vec![128; PICTURE[0] * PICTURE[1] * 3 / 2]);
     }
     drain(running.0.stdout.take(), 0);
-    let mut said = running.0.stderr.take().map(listen).into_iter().flatten();
+    let said = running.0.stderr.take().map(|log| listen(log, &teller));
+    let mut said = std::iter::from_fn(|| said.as_ref()?.recv_timeout(TRIED_WITHIN).ok());
     let complaint = said.find_map(|said| match said {
         Said::Error(line) => Some(plain(&line, "")),
         Said::Frame { .. } => None,

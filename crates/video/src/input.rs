@@ -1,12 +1,19 @@
 //! What ffmpeg reads: the arguments that stand before and with `-i`.
 
 use std::ffi::OsString;
+use std::fs::File;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
-use scaleproof_core::files;
+use scaleproof_core::files::{self, FileError};
+
+use crate::VideoError;
 
 /// Containers that cameras write. Playlists and scripts, which name other files, are none of them.
 const CONTAINERS: &str = "mov,mp4,m4a,3gp,3g2,mj2,matroska,webm,avi,mpegts,mpeg,ogg,flv,asf";
+
+/// ffmpeg takes 0.3 GB of addresses, of which most is its own code, and frames of 4K for each of its threads.
+const MOST_MEMORY: u64 = 4 << 30;
 
 /// Where frames come from, as arguments of `ffmpeg` and `ffprobe`. Nothing passes a shell.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -15,9 +22,17 @@ pub struct Input {
     pub name: String,
     /// All arguments up to `-i` and what follows it. Whoever makes one says which protocols may be opened.
     pub arguments: Vec<OsString>,
-    /// The file, where it is one.
+    /// The file, where it is one; ffmpeg gets it as its standard input.
     pub file: Option<PathBuf>,
+    /// How much memory the programs that read it may address, in bytes: what comes over a network may announce anything.
+    pub most_memory: Option<u64>,
 }
+
+/// What ffmpeg calls a file: the name of one is not for what it says, which is read.
+#[cfg(unix)]
+pub(crate) const SHOWN: &str = "/dev/stdin";
+#[cfg(not(unix))]
+pub(crate) const SHOWN: &str = "";
 
 impl Input {
     /// A file. Only this one is opened, whatever stands in it: of protocols there is only `file`, and of containers those of cameras, since
@@ -25,7 +40,7 @@ impl Input {
     pub fn file(path: &Path) -> Input {
         let mut url = OsString::from("file:");
         // With the protocol before it, a name that begins with a dash or contains a colon is a name.
-        url.push(path);
+        url.push(if SHOWN.is_empty() { path } else { Path::new(SHOWN) });
         let mut arguments: Vec<OsString> = ["-protocol_whitelist", "file", "-format_whitelist", CONTAINERS, "-i"]
             .map(OsString::from)
             .into();
@@ -35,7 +50,16 @@ impl Input {
             name: path.display().to_string(),
             arguments,
             file: Some(path.to_owned()),
+            most_memory: None,
         }
+    }
+
+    /// Gives a command of these arguments the file, opened anew: what reads it moves in no other's.
+    pub(crate) fn feed(&self, command: &mut Command) -> Result<(), VideoError> {
+        if let Some(path) = self.file.as_ref().filter(|_| !SHOWN.is_empty()) {
+            command.stdin(File::open(path).map_err(|e| FileError::read(path, &e))?);
+        }
+        Ok(())
     }
 
     /// Anything else that ffmpeg reads, such as a stream.
@@ -44,6 +68,7 @@ impl Input {
             name,
             arguments,
             file: None,
+            most_memory: Some(MOST_MEMORY),
         }
     }
 }

@@ -17,7 +17,7 @@
 mod fault;
 mod frames;
 mod input;
-mod log;
+pub mod log;
 mod planes;
 mod probe;
 mod program;

@@ -1,14 +1,20 @@
 //! What ffmpeg says while it decodes: the time of each frame, by its filter `showinfo`, and errors.
+//!
+//! Much of it comes from the video: its title and comments, its name, what a demuxer quotes. So a line counts by how it begins alone: `[PART @ ADDRESS] [LEVEL] `
+//! are ffmpeg's, and the filter has a name that no video knows.
 
+use std::hash::{BuildHasher, RandomState};
 use std::io::{BufRead, BufReader, Read};
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, sync_channel};
 
-/// No line of ffmpeg's is longer; the rest of one is a line of its own.
+/// No line of ffmpeg's is longer; the rest of one is left out.
 const LONGEST_LINE: u64 = 4096;
+/// So many lines wait to be taken. ffmpeg decodes some thirty frames ahead of the pipe with their pictures; one that says more waits.
+const MOST_WAITING: usize = 4096;
 
 /// A line that somebody waits for.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Said {
+pub enum Said {
     /// A decoded frame, in the order of presentation.
     Frame {
         number: u64,
@@ -22,23 +28,132 @@ pub(crate) enum Said {
     Error(String),
 }
 
-/// Reads a log to its end and sends what matters. The channel is as long as the frames that ffmpeg decodes ahead of the pipe, and a line has a
-/// few bytes.
-pub(crate) fn listen(log: impl Read + Send + 'static) -> Receiver<Said> {
-    let (tell, said) = channel();
+/// ffmpeg's filter that tells of each frame.
+#[derive(Debug, Clone)]
+pub struct Teller(String);
+
+impl Default for Teller {
+    /// Its name is another in every run.
+    fn default() -> Teller {
+        Teller::called(&format!("{:016x}", RandomState::new().hash_one(())))
+    }
+}
+
+impl Teller {
+    /// By a name of letters and digits.
+    pub fn called(name: &str) -> Teller {
+        Teller(format!("showinfo@{name}"))
+    }
+
+    /// What ffmpeg is told.
+    pub(crate) fn filter(&self) -> String {
+        format!("{}=checksum=0", self.0)
+    }
+
+    /// Understands a log line by line.
+    pub fn lines(&self) -> Lines {
+        Lines {
+            teller: self.0.clone(),
+            time_base: None,
+        }
+    }
+}
+
+/// A log as far as it was read.
+#[derive(Debug)]
+pub struct Lines {
+    teller: String,
+    /// Length of a tick of the video's clock, s.
+    time_base: Option<f64>,
+}
+
+impl Lines {
+    /// A line, if it matters.
+    pub fn understood(&mut self, line: &str) -> Option<Said> {
+        let spoken = Spoken::of(line)?;
+        if spoken.by == Some(&self.teller) {
+            if let Some(time_base) = time_base_of(spoken.words) {
+                return match self.time_base.replace(time_base) {
+                    // Another size of the frames begins the filter anew.
+                    Some(before) if before.to_bits() != time_base.to_bits() => {
+                        Some(Said::Error("its clock changes".to_owned()))
+                    }
+                    _ => None,
+                };
+            }
+            return self.frame(spoken.words);
+        }
+        // What ffmpeg makes up where data is damaged is only a warning to it, or less.
+        let is_made_up = || {
+            let is_corrupt = || {
+                spoken.words.starts_with("corrupt decoded frame")
+                    || spoken.words.contains(": corrupt decoded frame in stream ")
+            };
+            spoken.by.is_some() && spoken.words.starts_with("concealing ") || spoken.level == "warning" && is_corrupt()
+        };
+        (spoken.is_error() || is_made_up()).then(|| Said::Error(spoken.words.trim().to_owned()))
+    }
+
+    fn frame(&self, words: &str) -> Option<Said> {
+        let words = words.strip_prefix("n:").map(|_| words)?;
+        let number = field(words, "n:")?.parse().ok()?;
+        let pts: f64 = field(words, " pts:")?.parse().ok()?;
+        let time_s = pts * self.time_base?;
+        let size = field(words, " s:").and_then(|size| size.split_once('x'));
+        let size = size.and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
+        let is_key = field(words, " iskey:") == Some("1");
+        time_s.is_finite().then_some(Said::Frame {
+            number,
+            time_s,
+            is_key,
+            size,
+        })
+    }
+}
+
+/// A line in ffmpeg's own parts, as `-loglevel level+info` makes it.
+struct Spoken<'a> {
+    /// The innermost part of ffmpeg that speaks.
+    by: Option<&'a str>,
+    level: &'a str,
+    words: &'a str,
+}
+
+impl Spoken<'_> {
+    fn of(line: &str) -> Option<Spoken<'_>> {
+        let (by, rest) = without_parts(line);
+        let (level, words) = rest.strip_prefix('[')?.split_once("] ")?;
+        let is_level = ["panic", "fatal", "error", "warning", "info"].contains(&level);
+        is_level.then_some(Spoken { by, level, words })
+    }
+
+    fn is_error(&self) -> bool {
+        ["error", "fatal", "panic"].contains(&self.level)
+    }
+}
+
+/// The last of `[PART @ ADDRESS] ` that a line begins with, and what follows.
+fn without_parts(line: &str) -> (Option<&str>, &str) {
+    let (mut by, mut rest) = (None, line);
+    while let Some((part, after)) = rest.strip_prefix('[').and_then(|rest| rest.split_once("] ")) {
+        let named = part.rsplit_once(" @ ").filter(|(_, address)| {
+            let digits = address.strip_prefix("0x").unwrap_or(address);
+            !digits.is_empty() && digits.bytes().all(|digit| digit.is_ascii_hexdigit())
+        });
+        let Some((name, _)) = named else { break };
+        (by, rest) = (Some(name), after);
+    }
+    (by, rest)
+}
+
+/// Reads a log to its end and sends what matters.
+pub(crate) fn listen(log: impl Read + Send + 'static, teller: &Teller) -> Receiver<Said> {
+    let (tell, said) = sync_channel(MOST_WAITING);
+    let mut lines = teller.lines();
     std::thread::spawn(move || {
         let mut log = BufReader::new(log);
-        let mut line = Vec::new();
-        let mut time_base = None;
-        while (&mut log)
-            .take(LONGEST_LINE)
-            .read_until(b'\n', &mut line)
-            .is_ok_and(|count| count > 0)
-        {
-            let text = String::from_utf8_lossy(&line).into_owned();
-            line.clear();
-            time_base = time_base_of(&text).or(time_base);
-            if let Some(said) = understood(&text, time_base)
+        while let Some(line) = next_line(&mut log) {
+            if let Some(said) = lines.understood(&line)
                 && tell.send(said).is_err()
             {
                 // Nobody listens any more; a full pipe must not stop ffmpeg before it is ended.
@@ -50,40 +165,33 @@ pub(crate) fn listen(log: impl Read + Send + 'static) -> Receiver<Said> {
     said
 }
 
-/// Of `… config in time_base: 1/15360, frame_rate: 30/1`, s: showinfo's own `pts_time` has six digits, which is too coarse after a quarter of an
+/// The next line, without what is too long of it; `None` at the end.
+fn next_line(log: &mut impl BufRead) -> Option<String> {
+    let mut line = Vec::new();
+    let count = log.take(LONGEST_LINE).read_until(b'\n', &mut line).ok()?;
+    if count == 0 {
+        return None;
+    }
+    while line.last() != Some(&b'\n') {
+        let buffer = log.fill_buf().ok()?;
+        let end = memchr::memchr(b'\n', buffer);
+        let length = end.map_or(buffer.len(), |end| end + 1);
+        log.consume(length);
+        if end.is_some() || length == 0 {
+            break;
+        }
+    }
+    Some(String::from_utf8_lossy(&line).into_owned())
+}
+
+/// Of `config in time_base: 1/15360, frame_rate: 30/1`, s: showinfo's own `pts_time` has six digits, which is too coarse after a quarter of an
 /// hour.
-fn time_base_of(line: &str) -> Option<f64> {
-    let (_, rest) = line.split_once("config in time_base: ")?;
+fn time_base_of(words: &str) -> Option<f64> {
+    let rest = words.strip_prefix("config in time_base: ")?;
     let (over, rest) = rest.split_once('/')?;
     let (under, _) = rest.split_once(',')?;
     let [over, under] = [over, under].map(|text| text.trim().parse::<f64>().ok());
     over.zip(under).map(|(over, under)| over / under)
-}
-
-/// A line, if it matters. Since `-loglevel level+info`, each has its level in brackets.
-fn understood(line: &str, time_base: Option<f64>) -> Option<Said> {
-    if line.contains("_showinfo_") {
-        let number = field(line, " n:")?.parse().ok()?;
-        let pts: f64 = field(line, " pts:")?.parse().ok()?;
-        let time_s = pts * time_base?;
-        let size = field(line, " s:").and_then(|size| size.split_once('x'));
-        let size = size.and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
-        let is_key = field(line, " iskey:") == Some("1");
-        return time_s.is_finite().then_some(Said::Frame {
-            number,
-            time_s,
-            is_key,
-            size,
-        });
-    }
-    // What ffmpeg makes up where data is damaged is only a warning to it, or less.
-    let is_made_up = |line: &&str| line.contains("corrupt decoded frame") || line.contains(" concealing ");
-    let worded = |level: &&str| Some(line.split_once(*level)?.1);
-    let error = ["[error] ", "[fatal] ", "[panic] "].iter().find_map(worded);
-    let made_up = Some(line)
-        .filter(is_made_up)
-        .map(|line| line.rsplit("] ").next().unwrap_or(line));
-    Some(Said::Error(error.or(made_up)?.trim().to_owned()))
 }
 
 /// The word behind a name.
@@ -91,23 +199,30 @@ fn field<'a>(line: &'a str, name: &str) -> Option<&'a str> {
     line.split_once(name)?.1.split_whitespace().next()
 }
 
-/// The last line of a complaint, without the input's name and the addresses of ffmpeg's parts.
-pub(crate) fn last_words(complaint: &str, name: &str) -> String {
-    let last = complaint
-        .lines()
-        .rfind(|line| !line.trim().is_empty())
-        .unwrap_or("no reason given");
-    plain(last, name)
+/// The last complaint among what was said, without the input's name and the addresses of ffmpeg's parts.
+pub(crate) fn last_words(said: &str, name: &str) -> String {
+    let complaints = said.lines().filter_map(Spoken::of).filter(Spoken::is_error);
+    let last = complaints
+        .map(|spoken| spoken.words)
+        .filter(|words| !words.trim().is_empty());
+    plain(last.last().unwrap_or("no reason given"), name)
 }
 
-/// A line without the input's name and the addresses of ffmpeg's parts.
-pub(crate) fn plain(line: &str, name: &str) -> String {
-    let line = line.rsplit("] ").next().unwrap_or(line).trim();
-    let line = line.strip_prefix("file:").unwrap_or(line);
-    let line = line
-        .strip_prefix(name)
-        .map_or(line, |rest| rest.trim_start_matches(':').trim());
-    let mut letters = line.chars();
+/// Whether an RTSP server has sent ffmpeg to another one.
+pub(crate) fn sends_elsewhere(said: &str) -> bool {
+    let mut lines = said.lines().filter_map(Spoken::of);
+    lines.any(|spoken| spoken.by == Some("rtsp") && spoken.words.contains(": Redirecting to "))
+}
+
+/// What ffmpeg says, without the input's name.
+pub(crate) fn plain(words: &str, name: &str) -> String {
+    let words = words.trim();
+    let words = words.strip_prefix("file:").unwrap_or(words);
+    let named = [crate::input::SHOWN, name]
+        .into_iter()
+        .find_map(|name| words.strip_prefix(name).filter(|_| !name.is_empty()));
+    let words = named.map_or(words, |rest| rest.trim_start_matches(':').trim());
+    let mut letters = words.chars();
     let first = letters
         .next()
         .map(|first| first.to_lowercase().to_string())

@@ -7,7 +7,8 @@ use std::time::Duration;
 
 use serde::Deserialize;
 
-use crate::program::{Running, command, drain, every_frame_option, has_zscale};
+use crate::log::{last_words, sends_elsewhere};
+use crate::program::{LEFT_BEHIND, Running, command, drain, every_frame_option, has_zscale};
 use crate::{Input, VideoError};
 use scaleproof_photo::photo::{Budget, DecodeCost};
 
@@ -172,10 +173,26 @@ impl Video {
     /// # Errors
     /// As [`Video::open`].
     pub fn of(input: Input) -> Result<Video, VideoError> {
-        let name = || input.name.clone();
         // ffmpeg takes as long to say its version as ffprobe what the video is.
         let _ = std::thread::Builder::new().spawn(every_frame_option);
         let description = described(&input)?;
+        Video::checked(input, description)
+    }
+
+    /// Describes an input by what ffprobe has answered, as JSON.
+    ///
+    /// # Errors
+    /// As [`Video::of`].
+    pub fn by_answer(input: Input, answer: &[u8]) -> Result<Video, VideoError> {
+        let description = serde_json::from_slice(answer).map_err(|e| VideoError::NotAVideo {
+            reason: e.to_string(),
+            name: input.name.clone(),
+        })?;
+        Video::checked(input, description)
+    }
+
+    fn checked(input: Input, description: Description) -> Result<Video, VideoError> {
+        let name = || input.name.clone();
         let is_picture = |s: &&Stream| s.codec_type.as_deref() == Some("video") && s.disposition.attached_pic == 0;
         let Some(stream) = description.streams.iter().find(is_picture) else {
             return Err(match description.streams.is_empty() {
@@ -379,10 +396,19 @@ fn index_of_mp4(path: &Path) -> std::io::Result<Vec<u8>> {
 /// ffprobe's answer.
 fn described(input: &Input) -> Result<Description, VideoError> {
     let mut command = command("ffprobe", &input.name)?;
+    input.feed(&mut command)?;
     command
-        .args(["-v", "error", "-of", "json", "-show_streams", "-show_format"])
+        .args([
+            "-hide_banner",
+            "-v",
+            "level+info",
+            "-of",
+            "json",
+            "-show_streams",
+            "-show_format",
+        ])
         .args(&input.arguments);
-    let mut running = Running::start(command, "ffprobe", &input.name)?;
+    let mut running = Running::start(command, "ffprobe", &input.name)?.bounded(input.most_memory.map(|most| most / 4));
     let answer = drain(running.0.stdout.take(), MOST_SAID);
     let complaint = drain(running.0.stderr.take(), MOST_SAID);
     let name = input.name.clone();
@@ -390,8 +416,17 @@ fn described(input: &Input) -> Result<Description, VideoError> {
         let waited_s = PROBED_WITHIN.as_secs_f64();
         return Err(VideoError::Silent { name, waited_s });
     };
-    let [answer, complaint] = [answer, complaint].map(|read| read.join().unwrap_or_default());
-    let reason = || crate::log::last_words(&String::from_utf8_lossy(&complaint), &name);
+    let (Some(answer), Some(complaint)) = (answer.whole(), complaint.whole()) else {
+        let waited_s = LEFT_BEHIND.as_secs_f64();
+        return Err(VideoError::Silent { name, waited_s });
+    };
+    let complaint = String::from_utf8_lossy(&complaint);
+    // A file names no other address.
+    if input.file.is_none() && sends_elsewhere(&complaint) {
+        let reason = "it sends on to another address: give that one".to_owned();
+        return Err(VideoError::NotAVideo { reason, name });
+    }
+    let reason = || last_words(&complaint, &name);
     match serde_json::from_slice(&answer) {
         Ok(description) if is_done => Ok(description),
         _ => Err(VideoError::NotAVideo { reason: reason(), name }),

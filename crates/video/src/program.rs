@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::io::Read;
 use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, sync_channel};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -14,6 +15,8 @@ use crate::VideoError;
 const LOOK_AGAIN: Duration = Duration::from_millis(10);
 /// What a program says of itself in less than this; some builds take a second to load.
 const SAYS_WITHIN: Duration = Duration::from_secs(20);
+/// A pipe whose program has ended is at its end in less than this.
+pub(crate) const LEFT_BEHIND: Duration = Duration::from_secs(10);
 /// More than the longest list of filters.
 const MOST_SAID: u64 = 1 << 20;
 
@@ -80,6 +83,22 @@ impl Running {
         Ok(Running(started))
     }
 
+    /// Bounds its memory, where the system can.
+    pub fn bounded(self, most_bytes: Option<u64>) -> Running {
+        #[cfg(target_os = "linux")]
+        if let (Some(bytes), Some(pid)) = (most_bytes, i32::try_from(self.0.id()).ok()) {
+            use rustix::process::{Pid, Resource, Rlimit, prlimit};
+            let limit = Rlimit {
+                current: Some(bytes),
+                maximum: Some(bytes),
+            };
+            let _ = Pid::from_raw(pid).map(|pid| prlimit(Some(pid), Resource::As, limit));
+        }
+        #[cfg(not(target_os = "linux"))]
+        let _ = most_bytes;
+        self
+    }
+
     /// Whether it ended well; `None` when it did not end in time.
     pub fn ended_well(&mut self, within: Duration) -> Option<bool> {
         let began = Instant::now();
@@ -105,16 +124,29 @@ impl Drop for Running {
     }
 }
 
+/// What a pipe gives until its end.
+pub(crate) struct Drained(Receiver<Vec<u8>>);
+
+impl Drained {
+    /// All of it, when the program that writes has ended; `None` where a process that it left behind holds the pipe open.
+    pub fn whole(self) -> Option<Vec<u8>> {
+        self.0.recv_timeout(LEFT_BEHIND).ok()
+    }
+}
+
 /// Everything that comes, up to a limit, read by a thread of its own: a full pipe would stop the program that writes.
-pub(crate) fn drain(from: Option<impl Read + Send + 'static>, most: u64) -> std::thread::JoinHandle<Vec<u8>> {
+pub(crate) fn drain(from: Option<impl Read + Send + 'static>, most: u64) -> Drained {
+    let (give, drained) = sync_channel(1);
     std::thread::spawn(move || {
         let mut read = Vec::new();
         if let Some(mut from) = from {
             let _ = (&mut from).take(most).read_to_end(&mut read);
             let _ = std::io::copy(&mut from, &mut std::io::sink());
         }
-        read
-    })
+        // Nobody may wait for it.
+        let _ = give.send(read);
+    });
+    Drained(drained)
 }
 
 /// What ffmpeg says to an argument; nothing where it does not start.
@@ -126,7 +158,7 @@ fn said(argument: &str) -> String {
         let words = drain(running.0.stdout.take(), MOST_SAID);
         running.ended_well(SAYS_WITHIN)?;
         drop(running);
-        words.join().ok()
+        words.whole()
     };
     String::from_utf8_lossy(&answer().unwrap_or_default()).into_owned()
 }

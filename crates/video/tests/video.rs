@@ -1,5 +1,8 @@
 //! The crate's tests. Videos are made by ffmpeg's encoders, and what is in them is known from the filter that drew them.
 
+#[path = "video/lines.rs"]
+mod lines;
+
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -728,15 +731,14 @@ fn a_file_cannot_make_ffmpeg_read_another() {
 fn ffmpeg_ends_when_its_frames_are_dropped() {
     let folder = tempfile::tempdir().unwrap();
     let path = made(&folder, "dropped.mp4", &["-c:v", "libx264", "-preset", "ultrafast"]);
+    let whole = path.canonicalize().unwrap();
+    // The film is its standard input.
     let runs = || {
-        let lines = std::fs::read_dir("/proc")
+        let inputs = std::fs::read_dir("/proc")
             .unwrap()
             .flatten()
-            .filter_map(|entry| std::fs::read(entry.path().join("cmdline")).ok());
-        let name = path.to_str().unwrap();
-        lines
-            .filter(|line| String::from_utf8_lossy(line).contains(name))
-            .count()
+            .filter_map(|process| std::fs::read_link(process.path().join("fd/0")).ok());
+        inputs.filter(|input| *input == whole).count()
     };
     let mut frames = Video::open(&path).unwrap().rgb(&Selection::default()).unwrap();
     assert!(matches!(frames.next(), Some(Ok(_))));

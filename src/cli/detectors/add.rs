@@ -77,7 +77,9 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     let proposal = propose(runtime, model, &weights, &name, hints);
     let proposal = proposal.map_err(|e| {
         // Without a manifest nobody wants it.
-        converted.as_ref().map(std::fs::remove_file);
+        let _ = converted
+            .as_ref()
+            .map(|file| files::chosen::remove(files::folder_of(file), file));
         match e {
             // These name the file themselves.
             ProposeError::File(_) | ProposeError::Detect(_) => advice::sentence(&e),

@@ -60,11 +60,14 @@ pub(in crate::cli) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
     let json = serde_json::to_string_pretty(&advice)? + "\n";
     let page = args.output.join("advice.html");
     let settings = args.output.join("advice.toml");
-    files::replace_all_atomically(&[
-        (page.clone(), advise::page(&advice).into_bytes()),
-        (args.output.join("advice.json"), json.clone().into_bytes()),
-        (settings.clone(), advise::settings(&advice).into_bytes()),
-    ])?;
+    files::replace_all_atomically(
+        &args.output,
+        &[
+            (page.clone(), advise::page(&advice).into_bytes()),
+            (args.output.join("advice.json"), json.clone().into_bytes()),
+            (settings.clone(), advise::settings(&advice).into_bytes()),
+        ],
+    )?;
     if args.json {
         write!(out, "{json}")?
     } else {

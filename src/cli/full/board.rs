@@ -1,7 +1,7 @@
 //! `scaleproof print board`: a calibration board and the file that describes it.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -77,7 +77,12 @@ pub(crate) fn run(args: &BoardArgs, out: &mut dyn Write) -> CommandResult {
     let line = made.definition.line();
     let mut files = args.sheets.file(&line, &made.sheet)?;
     files.push((definition_path.clone(), made.definition.to_toml()?.into_bytes()));
-    files::write_all_atomically(&files)?;
+    let named: Vec<&Path> = [Some(&args.sheets.output), args.definition.as_ref()]
+        .into_iter()
+        .flatten()
+        .map(PathBuf::as_path)
+        .collect();
+    files::write_beside(&named, &files)?;
     units::note(doubt(args.squares, args.square_mm));
     let (pdf, definition) = (files[0].0.display(), definition_path.display().to_string());
     let words = format!("{pdf}: {line}; print at 100 %; described by {definition}");

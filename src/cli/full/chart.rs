@@ -320,7 +320,7 @@ impl ChartFiles {
         let mut new = vec![(self.output.join(name), serde_json::to_vec_pretty(numbers)?)];
         let svg = |(name, svg): &(&str, String)| (self.output.join(name), svg.clone().into_bytes());
         new.extend(drawn.iter().map(svg));
-        files::replace_all_atomically(&new)?;
+        files::replace_all_atomically(&self.output, &new)?;
         let paths = new.iter().map(|(path, _)| format!("\n{}", path.display()));
         let words = table.to_owned() + &paths.collect::<String>();
         told(self.json, written(&new, numbers), words, out)

@@ -26,7 +26,7 @@ use scaleproof_film::keep::{KeepError, Kept, PairDifference};
 use scaleproof_film::look::Look;
 use scaleproof_film::pairs::Wanted;
 use scaleproof_film::walk::{LookError, Walk, open_video, usual_step};
-use scaleproof_film::{coverage, sheet};
+use scaleproof_film::{cause, coverage, sheet};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::Sigma;
 use scaleproof_pose::scene::{Bin, Scene, Viewpoint};
@@ -195,16 +195,15 @@ pub(in crate::cli) fn run(args: FilmArgs, out: &mut dyn Write) -> CommandResult 
     let heard = stopped.clone();
     on_interrupt(move || heard.store(true, Ordering::Relaxed));
     let had_folder = args.output.exists();
-    std::fs::create_dir_all(&args.output).map_err(|e| files::FileError::write(&args.output, &e))?;
+    files::make_named_folder(&args.output)?;
     let lock = filling::locked(&args.output)?;
     let made = film
         .refuse_if_changed(&args)
         .and_then(|()| make(&args, &film, &stopped));
     // Also that of a run that was killed; a capture makes its own again.
-    let _ = files::remove(&args.output.join(filling::MARK));
+    let _ = files::chosen::remove(&args.output, &args.output.join(filling::MARK));
     if !had_folder {
-        // Only when it is empty.
-        let _ = std::fs::remove_dir(&args.output);
+        files::remove_if_empty(&args.output);
     }
     drop(lock);
     match made {
@@ -239,6 +238,7 @@ fn opened(args: &FilmArgs) -> Result<Film> {
         files.or_those_of(session)?;
     }
     let (scene, camera) = (Scene::open(files.scene()?)?, Camera::open(files.camera()?)?);
+    let state = files::FileState::of(&args.video)?;
     let video = open_video(&args.video, &camera)?;
     let sha256 = files::sha256_of_file(&args.video)?;
     let wanted = match &session {
@@ -258,6 +258,7 @@ fn opened(args: &FilmArgs) -> Result<Film> {
         name: files::name_of(&args.video),
         video,
         sha256,
+        state,
         scene,
         camera,
         wanted,
@@ -294,14 +295,16 @@ fn make(args: &FilmArgs, film: &Film, stopped: &AtomicBool) -> Result<(Answer, S
     let folder = files::free_place(&args.output.join(folder));
     let kept = keep(args, film, (&looks, &wish), &held, &folder, stopped)?;
     if kept.is_empty() {
-        return Err(nothing(args, &wish, &looks).into());
+        let why = nothing(args, &wish, &looks);
+        let cause = cause::cause(&film.walk, &looks, [film.files.scene()?, film.files.camera()?]);
+        return Err(cause.map_or(why.clone(), |cause| format!("{why}: {cause}")).into());
     }
     let made = write(args, film, &looks, &wish, &folder, &kept);
     if made.is_err() {
         // Photos that no list names would be taken for photos of nobody knows what.
-        let _ = std::fs::remove_dir_all(&folder);
+        let _ = files::chosen::remove_folder(&args.output, &folder);
         for picture in pictures(&folder) {
-            let _ = files::remove(&picture);
+            let _ = files::chosen::remove(&args.output, &picture);
         }
     }
     made
@@ -422,10 +425,13 @@ fn write(
     let inside = files::name_of(folder);
     let [contact_sheet, coverage] = pictures(folder);
     let title = format!("{}: {}", walk.name, args.variant);
-    files::replace_all_atomically(&[
-        (&contact_sheet, sheet::png(kept).unwrap_or_default()),
-        (&coverage, coverage::svg(&title, wish, looks, kept).into_bytes()),
-    ])?;
+    files::replace_all_atomically(
+        &args.output,
+        &[
+            (&contact_sheet, sheet::png(kept).unwrap_or_default()),
+            (&coverage, coverage::svg(&title, wish, looks, kept).into_bytes()),
+        ],
+    )?;
     let (file, photos) = NewSession {
         folder: &args.output,
         photos: &gathered,

@@ -11,7 +11,6 @@ use crate::cli::answer::{told, written};
 use crate::cli::full::model::Model;
 use crate::cli::print::paint::{Paints, PaintsAnswer, paint_facts, table};
 use crate::cli::progress;
-use scaleproof_core::files;
 use scaleproof_core::spelling::count;
 use scaleproof_print::print::output::SheetOutput;
 use scaleproof_surface::texture::Texture;
@@ -44,7 +43,7 @@ pub(super) fn run(
     })?;
     let made = painted_pieces(&model.mesh, &flat, (tile, &painted), &request)?;
     let files = output.files(&request.title(), &made.names, &made.pages)?;
-    files::write_all_atomically(&files)?;
+    output.write(&files)?;
     busy.set_position(100);
     busy.finish_and_clear();
     let paints = count(made.painted.paints.len(), "paint");

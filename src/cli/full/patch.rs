@@ -12,7 +12,6 @@ use crate::cli::answer::{told, written};
 use crate::cli::full::model::ModelArgs;
 use crate::cli::print::value_names;
 use crate::cli::{Result, enlarged};
-use scaleproof_core::files;
 use scaleproof_core::geometry::length::parse_mm;
 use scaleproof_core::spelling::count;
 use scaleproof_print::print::patch::{PanelPatch, PatchError, patches};
@@ -63,7 +62,7 @@ pub(crate) fn run(args: &PatchArgs, out: &mut dyn Write) -> CommandResult {
     let made = patches(&panels, &wanted, &request)?;
     let title = format!("Patches of {}", wanted[0].name);
     let files = sheets.paper.output()?.files(&title, &made.page_names, &made.pages)?;
-    files::write_all_atomically(&files)?;
+    sheets.paper.output()?.write(&files)?;
     for (patch, off) in wanted.iter().zip(&made.off_panel).filter(|(_, off)| **off > 0.0) {
         say!(
             "note: {:.1} % of {} lie beyond the outline of the {} panel and are cut off",

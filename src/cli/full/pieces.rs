@@ -10,7 +10,6 @@ use crate::cli::answer::{told, written};
 use crate::cli::full::model::Model;
 use crate::cli::full::texture::NamedTexture;
 use crate::cli::progress;
-use scaleproof_core::files;
 use scaleproof_plot::lettering;
 use scaleproof_print::print::output::SheetOutput;
 use scaleproof_print::print::wrap::WrapRequest;
@@ -76,7 +75,7 @@ pub(super) fn run(
     let flat = flattened(surface, request, &mut |share| busy.set_position((95.0 * share) as u64))?;
     let made = pieces(&model.mesh, &flat, &painted.texture, request)?;
     let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
-    files::write_all_atomically(&files)?;
+    output.write(&files)?;
     busy.set_position(100);
     busy.finish_and_clear();
     if made.unlettered_mm > 0.0 {

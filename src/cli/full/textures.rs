@@ -126,7 +126,7 @@ fn run_bake(args: &BakeArgs, out: &mut dyn Write) -> CommandResult {
     let mut files = vec![(args.output.clone(), png)];
     files.extend(write_obj(&model.mesh, &textured, &args.output));
     files.push((args.output.with_extension("glb"), glb));
-    files::write_all_atomically(&files)?;
+    files::write_beside(&[&args.output], &files)?;
     let names: Vec<String> = files.iter().map(|(path, _)| path.display().to_string()).collect();
     let (width, height) = baked.image.dimensions();
     let coordinates = match baked.unwrapped {
@@ -178,7 +178,11 @@ fn run_show(args: &ShowArgs, out: &mut dyn Write) -> CommandResult {
         let file = |(azimuth, view)| Ok((args.output.join(format!("az{azimuth}.png")), encode_rgb(view)?));
         named.map(file).collect::<Result<Vec<_>>>()?
     };
-    files::write_all_atomically(&files)?;
+    if is_one || files::is_standard_output(&args.output) {
+        files::write_all_atomically(&files)?;
+    } else {
+        files::replace_all_atomically(&args.output, &files)?;
+    }
     let words = format!("{}: {}", args.output.display(), count(views.len(), "view"));
     let facts = Shown {
         azimuth_deg: azimuths,

@@ -15,7 +15,6 @@ use crate::cli::full::texture::{NamedTexture, TextureArgs};
 use crate::cli::print::PaperArgs;
 use crate::cli::print::paint::PaintArgs;
 use crate::cli::{Result, advice, progress};
-use scaleproof_core::files;
 use scaleproof_plot::lettering;
 use scaleproof_print::print::wrap::{Wrap, WrapRequest, wrap};
 use scaleproof_wrap::pieces::painted::PaintedError;
@@ -106,7 +105,7 @@ fn panels(
     let busy = progress::busy("wrapping");
     let made = wrap(&model.mesh, &model.materials, &painted.texture, &request)?;
     let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
-    files::write_all_atomically(&files)?;
+    output.write(&files)?;
     busy.finish_and_clear();
     if made.unlettered_mm > 0.0 {
         let length_mm = made.unlettered_mm;

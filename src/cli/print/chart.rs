@@ -6,7 +6,6 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{CommandResult, CutSheetArgs, told, written};
-use scaleproof_core::files;
 use scaleproof_print::print::chart::chart;
 
 #[derive(clap::Args)]
@@ -23,7 +22,7 @@ pub(crate) fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
     let made = chart(args.sheets.media()?)?;
     let title = format!("Colour chart {}", made.layout.kind.name());
     let files = args.sheets.file(&title, &made.sheet)?;
-    files::write_all_atomically(&files)?;
+    args.sheets.output()?.write(&files)?;
     let (path, chart) = (files[0].0.display(), made.layout.kind.name());
     let (levels, patches) = (made.layout.kind.levels().len(), made.layout.patches.len());
     let words = format_args!(

@@ -6,7 +6,6 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{CommandResult, PaperArgs, told, written};
-use scaleproof_core::files;
 use scaleproof_print::print::check::check;
 
 #[derive(clap::Args)]
@@ -21,11 +20,9 @@ pub(crate) struct CheckArgs {
 pub(crate) fn run(args: &CheckArgs, out: &mut dyn Write) -> CommandResult {
     let media = args.paper.media()?;
     let sheets = check(&media)?;
-    let files = args
-        .paper
-        .output()?
-        .files("Printer check", &["check".to_owned()], &sheets)?;
-    files::write_all_atomically(&files)?;
+    let output = args.paper.output()?;
+    let files = output.files("Printer check", &["check".to_owned()], &sheets)?;
+    output.write(&files)?;
     let next = media.printer.verify_command();
     // One page is one file.
     let words = format!("{}: print at 100 %, measure, then {next}", files[0].0.display());

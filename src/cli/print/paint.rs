@@ -8,7 +8,6 @@ use serde::Serialize;
 
 use super::{CommandResult, told, written};
 use crate::cli::{Result, progress};
-use scaleproof_core::files;
 use scaleproof_core::spelling::count;
 use scaleproof_print::print::output::SheetOutput;
 use scaleproof_print::print::paint::{PaintArea, PaintRequest, paint_sheets};
@@ -90,7 +89,7 @@ pub(crate) fn run(
     };
     let made = paint_sheets(pattern, &painted, &request)?;
     let files = output.files(&request.title(), &made.names, &made.pages)?;
-    files::write_all_atomically(&files)?;
+    output.write(&files)?;
     busy.finish_and_clear();
     let sheets = made.layout.sheets.len();
     let words = format!(

@@ -7,7 +7,6 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{CommandResult, CutSheetArgs, told, written};
-use scaleproof_core::files;
 use scaleproof_core::spelling::count;
 use scaleproof_pose::scene::Scene;
 use scaleproof_print::print::tags::{Ground, TagNote, TagRequest, TagSheets, tag_sheets};
@@ -45,7 +44,7 @@ pub(crate) fn run(args: &TagsArgs, out: &mut dyn Write) -> CommandResult {
     )?;
     let title = format!("Tags of {}", scene.model.name);
     let files = args.sheets.output()?.files(&title, &made.names, &made.sheets)?;
-    files::write_all_atomically(&files)?;
+    args.sheets.output()?.write(&files)?;
     for note in made.notes.iter().filter(|_| !args.json) {
         say!("note: {}", noted(note));
     }

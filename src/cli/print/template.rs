@@ -136,9 +136,13 @@ fn run_texture(args: &TemplateArgs, path: &Path, out: &mut dyn Write) -> Command
     print((args, &request), &draw, Grain::PixelMm, out)
 }
 
+/// A PDF whose name this program chose, in a folder that a user named.
 pub(crate) fn write_template(pattern: &Pattern, request: &TemplateRequest, output: &Path) -> Result<Template> {
-    let output = SheetOutput::named(output, Some(SheetFormat::Pdf))?;
-    Ok(write(&|| template(pattern, request), request, &output)?.0)
+    let made = template(pattern, request)?;
+    let pdf = SheetOutput::named(output, Some(SheetFormat::Pdf))?;
+    let new = pdf.files(&request.title(), &made.page_names(), &made.pages)?;
+    files::replace_all_atomically(files::folder_of(output), &new)?;
+    Ok(made)
 }
 
 fn write(
@@ -149,7 +153,7 @@ fn write(
     progress::busy("drawing").during(|_| {
         let made = draw()?;
         let files = output.files(&request.title(), &made.page_names(), &made.pages)?;
-        files::write_all_atomically(&files)?;
+        output.write(&files)?;
         Ok((made, files))
     })
 }

@@ -44,7 +44,7 @@ pub(super) fn run(args: &Args, out: &mut dyn Write) -> CommandResult {
         camera: args.camera.as_deref(),
         variant: args.variant.as_deref(),
     })?;
-    files::write_atomically(&imported.path, imported.text.as_bytes())?;
+    files::replace_atomically(&args.photos, &imported.path, imported.text.as_bytes())?;
     if let Some(first) = imported.without_box.first() {
         let count = imported.without_box.len();
         say!(

@@ -139,10 +139,10 @@ impl RenderedSet {
             },
             tags: Vec::new(),
         };
-        files::replace_atomically(&folder.join("scene.toml"), scene.to_toml().as_bytes())?;
+        files::replace_atomically(folder, &folder.join("scene.toml"), scene.to_toml().as_bytes())?;
         let path = folder.join("session.json");
         let text = session::text(&path, "scene.toml", None, self.photos(), true)?;
-        Ok(files::replace_atomically(&path, text.as_bytes())?)
+        Ok(files::replace_atomically(folder, &path, text.as_bytes())?)
     }
 
     /// Renders what `folder` still lacks. `python` is called only when something is missing; `on_photo` is called with the photos done so far, those
@@ -182,7 +182,7 @@ impl RenderedSet {
             notes.push(note);
         }
         notes.extend(self.plan.pattern_files(folder)?);
-        Ok(files::replace_all_atomically(&notes)?)
+        Ok(files::replace_all_atomically(folder, &notes)?)
     }
 }
 

@@ -31,12 +31,12 @@ pub(super) fn render(
     let (work, size_px) = (&blender::work_folder(folder), plan.request().size_px);
     let named = |(frame, photo): (&PlannedFrame, &PhotoEntry)| (plan.frame_name(frame), folder.join(&photo.file));
     let places: HashMap<String, PathBuf> = plan.frames().iter().zip(&evaluation.photos).map(named).collect();
-    let finished = blender::run(&python, &plan.to_script(&missing, folder), work, |event| {
+    let finished = blender::run(&python, &plan.to_script(&missing, folder), folder, |event| {
         if let blender::BlenderEvent::Frame(name) = event
             && let Some(place) = places.get(&name)
         {
-            let image = srgb(&triples(work, &format!("{name}.rgb"), size_px)?, size_px);
-            files::replace_atomically(place, &encode_rgb(&image)?)?;
+            let image = srgb(&triples(folder, &format!("{name}.rgb"), size_px)?, size_px);
+            files::replace_atomically(folder, place, &encode_rgb(&image)?)?;
             done += 1;
             on_photo(done);
         }
@@ -47,7 +47,7 @@ pub(super) fn render(
         return Err(RenderError::Stopped { done, wanted, log }.into());
     }
     // Nothing is lost if the work folder stays.
-    let _ = std::fs::remove_dir_all(work);
+    let _ = files::chosen::remove_folder(folder, work);
     Ok(())
 }
 

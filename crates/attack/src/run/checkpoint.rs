@@ -108,6 +108,6 @@ impl Checkpoint {
         let rest = postcard::to_allocvec(self)?;
         let mut bytes = files::sha256_hex(&rest).into_bytes();
         bytes.extend(rest);
-        Ok(files::replace_atomically(&folder.join(FILE), &bytes)?)
+        Ok(files::replace_atomically(folder, &folder.join(FILE), &bytes)?)
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! | found | what it was | what becomes of it |
 //! |---|---|---|
-//! | a file or folder `.….partial` | being written | removed |
+//! | a file or folder under a temporary name | being written | removed |
 //! | a photo without sidecar that is not listed | being accepted, sidecar not yet written; or being taken back, all but the photo moved | moved to `taken_back` |
 //! | a photo and its sidecar, not listed | accepted, list not yet written | listed |
 //! | a listed photo whose sidecar is in `taken_back` | being taken back | taken back |
@@ -28,12 +28,12 @@ impl Store {
     fn recover(&mut self, variant: &str) -> Result<(), StoreError> {
         let folder = self.folder.clone();
         let mut there = names(&folder)?;
-        for partial in there.extract_if(.., |name| name.starts_with('.') && name.ends_with(".partial")) {
+        for partial in there.extract_if(.., |name| files::is_temporary(name)) {
             let partial = folder.join(partial);
-            if partial.is_dir() {
-                std::fs::remove_dir_all(&partial).map_err(|e| FileError::write(&partial, &e))?;
+            if partial.is_dir() && !partial.is_symlink() {
+                files::chosen::remove_folder(&folder, &partial)?;
             } else {
-                files::remove(&partial)?;
+                files::chosen::remove(&folder, &partial)?;
             }
         }
         let mut listed = Vec::new();

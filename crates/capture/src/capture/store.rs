@@ -93,7 +93,7 @@ impl Store {
         Camera::open(camera).map_err(SessionError::from)?;
         let below = session::files_below(&read).map_err(|mesh| StoreError::MeshElsewhere { mesh })?;
         refuse_foreign(folder)?;
-        std::fs::create_dir_all(folder).map_err(|e| FileError::write(folder, &e))?;
+        files::make_named_folder(folder)?;
         let lock = filling::locked(folder)?;
         let extension = camera.extension().map_or("yaml".into(), |e| e.to_string_lossy());
         let camera_name = format!("camera.{extension}");
@@ -150,10 +150,11 @@ impl Store {
         let name = format!("{}_{:03}.{extension}", slug(&sidecar.photo.variant), self.next);
         sidecar.photo.file = name.clone();
         let text = serde_json::to_string_pretty(&sidecar).map_err(|e| FileError::content(SIDECAR.as_ref(), e))?;
-        files::replace_atomically(&self.folder.join(&name), original)?;
+        files::replace_atomically(&self.folder, &self.folder.join(&name), original)?;
         // From here on the number is used, even when what follows fails.
         self.next += 1;
-        files::replace_atomically(&self.folder.join(sidecar_of(&name)), (text + "\n").as_bytes())?;
+        let beside = self.folder.join(sidecar_of(&name));
+        files::replace_atomically(&self.folder, &beside, (text + "\n").as_bytes())?;
         self.accepted.push(sidecar);
         self.write_list()?;
         Ok(name)
@@ -178,12 +179,7 @@ impl Store {
     /// Moves a file of the session to `taken_back`.
     pub(super) fn put_away(&self, name: &str) -> Result<(), StoreError> {
         let (from, away) = (self.folder.join(name), self.folder.join(TAKEN_BACK));
-        // A link would lead the photo out of the session.
-        if std::fs::symlink_metadata(&away).is_ok_and(|about| !about.is_dir()) {
-            return Err(FileError::content(&away, "it is no folder that a capture made: remove it").into());
-        }
-        let moved = std::fs::create_dir_all(&away).and_then(|()| std::fs::rename(&from, away.join(name)));
-        Ok(moved.map_err(|e| FileError::write(&from, &e))?)
+        Ok(files::chosen::rename(&self.folder, &from, &away.join(name))?)
     }
 
     /// Writes `session.json`; there is none while it would list no photo.
@@ -192,10 +188,10 @@ impl Store {
         let accepted = self.accepted.iter().map(|sidecar| &sidecar.photo);
         let photos: Vec<PhotoEntry> = self.others.iter().chain(accepted).cloned().collect();
         if photos.is_empty() {
-            return Ok(files::remove(&path)?);
+            return Ok(files::chosen::remove(&self.folder, &path)?);
         }
         let text = session::text(&path, SCENE, Some(&self.camera), photos, false)?;
-        Ok(files::replace_atomically(&path, text.as_bytes())?)
+        Ok(files::replace_atomically(&self.folder, &path, text.as_bytes())?)
     }
 }
 
@@ -254,7 +250,7 @@ fn keep_copy(from: &Path, folder: &Path, name: &str, what: &'static str, is_new:
         return Ok(());
     }
     if is_new && !path.exists() {
-        return Ok(files::replace_atomically(&path, &content)?);
+        return Ok(files::replace_atomically(folder, &path, &content)?);
     }
     let folder = folder.to_owned();
     Err(StoreError::Other { folder, what })

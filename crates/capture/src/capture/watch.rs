@@ -61,8 +61,8 @@ impl Watch {
         for entry in std::fs::read_dir(&self.folder).map_err(gone)? {
             let path = entry.map_err(gone)?.path();
             let is_hidden = path.file_name().is_some_and(|n| n.to_string_lossy().starts_with('.'));
-            // What cannot be looked at was removed meanwhile; pipes and folders are no photos.
-            match std::fs::metadata(&path) {
+            // What cannot be looked at was removed meanwhile; pipes and folders are no photos, and a link leads out of the folder.
+            match std::fs::symlink_metadata(&path) {
                 Ok(about) if about.is_file() && !is_hidden => there.push((path, (about.len(), about.modified().ok()))),
                 _ => {}
             }

@@ -1,4 +1,5 @@
-//! Who may ask: the Host header against DNS rebinding, Origin and Sec-Fetch-Site against other sites, one-time tokens in the local network.
+//! Who may ask: the Host header against DNS rebinding, Origin and Sec-Fetch-Site against other sites, one-time tokens against other machines of the
+//! network and other accounts of this one.
 
 use std::net::{Ipv4Addr, Ipv6Addr};
 use std::sync::{Mutex, PoisonError};
@@ -31,8 +32,9 @@ impl Scheme {
 /// What the page's server asks of a request before anything else.
 #[derive(Debug)]
 pub struct Access {
-    /// `None`: this machine only, and no token.
-    keys: Option<Mutex<Keys>>,
+    /// From this machine only.
+    is_local: bool,
+    keys: Mutex<Keys>,
     /// Cookies belong to an address, whatever the port: a name for each port keeps two captures on one machine apart.
     cookie_name: String,
 }
@@ -47,26 +49,28 @@ struct Keys {
 }
 
 impl Access {
-    /// Everybody on this machine.
-    pub fn local() -> Access {
-        Access {
-            keys: None,
-            cookie_name: String::new(),
-        }
+    /// Whoever brings a token to this port from this machine, once. Returns the token.
+    pub fn local(port: u16) -> Result<(Access, String), SysError> {
+        let token = secret()?;
+        Ok((Access::of(port, true, std::slice::from_ref(&token)), token))
     }
 
     /// Whoever brings one of two tokens to this port, each of them once. Returns the tokens.
-    pub fn by_token(port: u16) -> Result<(Access, [String; 2]), SysError> {
+    pub fn in_network(port: u16) -> Result<(Access, [String; 2]), SysError> {
         let tokens = [secret()?, secret()?];
+        Ok((Access::of(port, false, &tokens), tokens))
+    }
+
+    fn of(port: u16, is_local: bool, tokens: &[String]) -> Access {
         let keys = Keys {
             tokens: tokens.iter().map(hash).collect(),
             sessions: Vec::new(),
         };
-        let access = Access {
-            keys: Some(Mutex::new(keys)),
+        Access {
+            is_local,
+            keys: Mutex::new(keys),
             cookie_name: format!("scaleproof_{port}"),
-        };
-        Ok((access, tokens))
+        }
     }
 
     /// Refuses names that are no address (a hostile site's name may be made to mean this machine), and what another site's page asks; by
@@ -102,31 +106,28 @@ impl Access {
         let v4 = name.parse::<Ipv4Addr>();
         let v6 = name.strip_prefix('[').and_then(|rest| rest.strip_suffix(']'));
         let v6 = v6.and_then(|inner| inner.parse::<Ipv6Addr>().ok());
-        match self.keys {
+        match self.is_local {
             _ if name == "localhost" => true,
-            None => v4.is_ok_and(|ip| ip.is_loopback()) || v6.is_some_and(|ip| ip.is_loopback()),
-            Some(_) => v4.is_ok() || v6.is_some(),
+            true => v4.is_ok_and(|ip| ip.is_loopback()) || v6.is_some_and(|ip| ip.is_loopback()),
+            false => v4.is_ok() || v6.is_some(),
         }
     }
 
-    /// Which browser asks, by a hash of the cookie that its token was exchanged for; all on this machine are one where none is needed.
+    /// Which browser asks, by a hash of the cookie that its token was exchanged for.
     pub fn browser(&self, headers: &HeaderMap) -> Option<String> {
-        let Some(keys) = &self.keys else {
-            return Some(String::new());
-        };
         let lines = headers.get_all(COOKIE).iter().filter_map(|value| value.to_str().ok());
         let cookies = lines
             .flat_map(|line| line.split(';'))
             .filter_map(|pair| pair.trim().split_once('='));
         let own = cookies.filter(|(name, _)| *name == self.cookie_name);
-        let keys = keys.lock().unwrap_or_else(PoisonError::into_inner);
+        let keys = self.keys.lock().unwrap_or_else(PoisonError::into_inner);
         own.map(|(_, value)| hash(value))
             .find(|hash| keys.sessions.contains(hash))
     }
 
     /// Exchanges a token for a cookie, the whole `Set-Cookie` value. A token is good once; what came encrypted is never sent otherwise.
     pub fn join(&self, token: &str, scheme: Scheme) -> Option<String> {
-        let mut keys = self.keys.as_ref()?.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut keys = self.keys.lock().unwrap_or_else(PoisonError::into_inner);
         let token = hash(token);
         let at = keys.tokens.iter().position(|known| *known == token)?;
         let (name, cookie) = (&self.cookie_name, secret().ok()?);

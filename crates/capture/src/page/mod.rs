@@ -81,7 +81,7 @@ pub struct Lan {
 
 impl Page {
     /// Serves on 127.0.0.1, or with `lan` on all networks of this machine, encrypted, to whoever brings a one-time token: one for a browser on
-    /// this machine, which needs no encryption, one for a phone. Port 0 is any free one. `session` is the folder whose accepted photos are shown. The first Ctrl-C finishes
+    /// this machine, which needs no encryption, with `lan` one for a phone. Port 0 is any free one. `session` is the folder whose accepted photos are shown. The first Ctrl-C finishes
     /// the capture; `hurry` is what a second one does.
     ///
     /// # Errors
@@ -107,9 +107,12 @@ impl Page {
         let port = listener.local_addr().map_err(not_served)?.port();
         let here = format!("http://{}:{port}/", Ipv4Addr::LOCALHOST);
         let (access, address, lan, tls) = match network {
-            None => (Access::local(), here, None, None),
+            None => {
+                let (access, token) = Access::local(port).map_err(|e| unserved(e.to_string()))?;
+                (access, format!("{here}join/{token}"), None, None)
+            }
             Some(ip) => {
-                let tokens = Access::by_token(port).map_err(|e| unserved(e.to_string()))?;
+                let tokens = Access::in_network(port).map_err(|e| unserved(e.to_string()))?;
                 let (access, [for_here, for_phone]) = tokens;
                 let address = format!("https://{ip}:{port}/join/{for_phone}");
                 let code = QrCode::new(&address).map_err(|e| unserved(e.to_string()))?;

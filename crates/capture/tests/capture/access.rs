@@ -12,7 +12,8 @@ fn headers(pairs: &[(&'static str, &str)]) -> HeaderMap {
 
 #[test]
 fn only_addresses_of_this_machine_are_answered_and_under_lan_any_address_but_no_name() {
-    let (lan, _) = Access::by_token(8710).unwrap();
+    let (lan, _) = Access::in_network(8710).unwrap();
+    let (local, _) = Access::local(8710).unwrap();
     let cases = [
         ("127.0.0.1:8710", true, true),
         ("localhost:9", true, true),
@@ -26,15 +27,14 @@ fn only_addresses_of_this_machine_are_answered_and_under_lan_any_address_but_no_
     ];
     for (host, locally, in_lan) in cases {
         let headers = headers(&[("host", host)]);
-        let answers =
-            [&Access::local(), &lan].map(|access| access.check_site(&Method::GET, &headers, Scheme::Http).is_ok());
+        let answers = [&local, &lan].map(|access| access.check_site(&Method::GET, &headers, Scheme::Http).is_ok());
         assert_eq!(answers, [locally, in_lan], "{host}");
     }
 }
 
 #[test]
 fn what_another_site_asks_is_refused() {
-    let access = Access::local();
+    let (access, _) = Access::local(8710).unwrap();
     let host = ("host", "127.0.0.1:8710");
     let own = ("origin", "http://127.0.0.1:8710");
     let came = |scheme: Scheme, method: Method, pairs: &[(&'static str, &str)]| {
@@ -65,8 +65,8 @@ fn what_another_site_asks_is_refused() {
 
 #[test]
 fn a_token_is_good_once_and_its_cookie_lasts() {
-    let (access, tokens) = Access::by_token(8710).unwrap();
-    let (other, _) = Access::by_token(8711).unwrap();
+    let (access, tokens) = Access::in_network(8710).unwrap();
+    let (other, _) = Access::in_network(8711).unwrap();
     assert!(access.join("guess", Scheme::Http).is_none());
     let cookie = access.join(&tokens[0], Scheme::Http).unwrap();
     assert!(access.join(&tokens[0], Scheme::Http).is_none());
@@ -83,4 +83,16 @@ fn a_token_is_good_once_and_its_cookie_lasts() {
     assert!(!knows(&access, format!("{pair}0")));
     assert!(!knows(&access, format!("scaleproof_8710={}", tokens[1])));
     assert!(!knows(&other, pair.to_owned()));
+}
+
+/// Other accounts of this machine reach the port, too.
+#[test]
+fn nobody_on_this_machine_is_known_without_the_token() {
+    let (access, token) = Access::local(8710).unwrap();
+    assert!(access.browser(&headers(&[])).is_none());
+    assert!(access.browser(&headers(&[("cookie", "scaleproof_8710=")])).is_none());
+    let cookie = access.join(&token, Scheme::Http).unwrap();
+    let pair = cookie.split(';').next().unwrap();
+    assert!(access.browser(&headers(&[("cookie", pair)])).is_some());
+    assert!(access.join(&token, Scheme::Http).is_none(), "it is good once");
 }

@@ -45,6 +45,17 @@ pub(super) fn refuse(path: &Path) -> Result<(), FileError> {
     if is_input { Err(refused()) } else { Ok(()) }
 }
 
+/// Refuses a folder that an input lies in.
+pub(super) fn refuse_below(folder: &Path) -> Result<(), FileError> {
+    let place = place(folder);
+    let met = met();
+    let inside = met
+        .as_ref()
+        .and_then(|met| met.read.iter().find(|read| read.starts_with(&place)));
+    let refused = |path: &PathBuf| Err(FileError::IsInput { path: path.clone() });
+    inside.map_or(Ok(()), refused)
+}
+
 pub(super) fn refuse_twice<'a>(outputs: impl IntoIterator<Item = &'a Path>) -> Result<(), FileError> {
     let mut places = BTreeSet::new();
     let mut again = outputs.into_iter().filter(|path| !places.insert(place(path)));

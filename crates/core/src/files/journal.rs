@@ -13,7 +13,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, SystemTime};
 
 use super::staged::{Staged, name_of, unique};
-use super::{FileError, folder_of};
+use super::{FileError, folder_of, inputs};
 
 /// A temporary file that is younger may be about to be locked.
 const AT_WORK: Duration = Duration::from_secs(10);
@@ -112,7 +112,8 @@ fn tidy_now(folder: &Path) {
             continue;
         };
         let age = about.modified().ok().and_then(|time| time.elapsed().ok());
-        if age.is_some_and(|age| age >= AT_WORK) && left_behind(&path).is_some() {
+        let is_free = inputs::refuse(&path).is_ok() && inputs::refuse_below(&path).is_ok();
+        if is_free && age.is_some_and(|age| age >= AT_WORK) && left_behind(&path).is_some() {
             let _ = if about.is_dir() {
                 std::fs::remove_dir_all(&path)
             } else {
@@ -142,7 +143,7 @@ fn finish(folder: &Path, note: File) {
         let (from, to) = (folder.join(temporary), folder.join(name));
         let is_file = std::fs::symlink_metadata(&from).is_ok_and(|about| about.is_file());
         // What came after the killed run stays.
-        if is_file && !to.is_dir() && modified(&to) <= modified(&from) {
+        if is_file && !to.is_dir() && modified(&to) <= modified(&from) && inputs::refuse(&to).is_ok() {
             let _ = std::fs::rename(&from, &to);
         }
     }

@@ -1,6 +1,8 @@
 //! Whole files or none.
 
-use scaleproof_core::files::{free_place, inputs, read, sha256_hex, write_all_atomically, write_atomically};
+use scaleproof_core::files::{FileState, free_place, inputs, read, sha256_hex, write_all_atomically, write_atomically};
+#[cfg(unix)]
+use scaleproof_core::files::{replace_all_atomically, replace_atomically};
 
 #[test]
 fn the_hash_is_sha256() {
@@ -80,4 +82,68 @@ fn files_written_together_appear_together_or_not_at_all() {
     std::fs::remove_dir(folder.path().join("b")).unwrap();
     write_all_atomically(&contents).unwrap();
     assert_eq!(std::fs::read(folder.path().join("b")).unwrap(), b"b");
+}
+
+/// What lies in the place of a name that the program chose, or of a folder on the way to it.
+#[test]
+#[cfg(unix)]
+fn nothing_is_written_through_a_link_below_the_folder_that_was_named() {
+    use scaleproof_core::files::chosen;
+    use std::os::unix::fs::symlink;
+    let all = tempfile::tempdir().unwrap();
+    let (home, elsewhere) = (all.path().join("home"), all.path().join("elsewhere"));
+    std::fs::create_dir_all(home.join("real")).unwrap();
+    std::fs::create_dir(&elsewhere).unwrap();
+    std::fs::write(elsewhere.join("x"), b"mine").unwrap();
+    symlink(&elsewhere, home.join("linked")).unwrap();
+    symlink(elsewhere.join("x"), home.join("link")).unwrap();
+    symlink(elsewhere.join("absent"), home.join("dangling")).unwrap();
+    std::fs::hard_link(elsewhere.join("x"), home.join("second")).unwrap();
+    let through = home.join("linked/x");
+    assert!(replace_atomically(&home, &through, b"theirs").is_err());
+    assert!(replace_all_atomically(&home, &[(home.join("linked/new"), b"theirs")]).is_err());
+    assert!(chosen::remove(&home, &through).is_err());
+    assert!(chosen::remove_folder(&home, &home.join("linked")).is_err());
+    assert!(chosen::folder(&home, &home.join("linked/deep")).is_err());
+    assert!(chosen::rename(&home, &home.join("link"), &home.join("linked/y")).is_err());
+    assert!(chosen::mark(&home, &home.join("link")).is_err() && chosen::mark(&home, &home.join("dangling")).is_err());
+    assert!(
+        chosen::appended(&home, &home.join("second")).is_err(),
+        "it would be in both"
+    );
+    assert!(chosen::kept(&home, &home.join("link"), 99).is_none());
+    for outside in ["../elsewhere/x", "real/../../elsewhere/x", "."] {
+        assert!(
+            replace_atomically(&home, &home.join(outside), b"theirs").is_err(),
+            "{outside}"
+        );
+    }
+    assert!(replace_atomically(&home, &elsewhere.join("x"), b"theirs").is_err());
+    // What takes the place of a link or of a second name leaves the other as it is.
+    for name in ["link", "dangling", "second", "real/new"] {
+        replace_atomically(&home, &home.join(name), b"ours").unwrap();
+        assert!(!home.join(name).is_symlink());
+        assert_eq!(std::fs::read(home.join(name)).unwrap(), b"ours", "{name}");
+    }
+    // The folder that a user named may be a link.
+    symlink(&home, all.path().join("named")).unwrap();
+    replace_atomically(&all.path().join("named"), &all.path().join("named/real/x"), b"ours").unwrap();
+    let left: Vec<_> = std::fs::read_dir(&elsewhere).unwrap().collect();
+    assert_eq!(
+        (left.len(), std::fs::read(elsewhere.join("x")).unwrap()),
+        (1, b"mine".to_vec())
+    );
+}
+
+#[test]
+fn a_file_that_changed_is_told_from_one_that_did_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("film");
+    std::fs::write(&path, b"one").unwrap();
+    let state = FileState::of(&path).unwrap();
+    state.check().unwrap();
+    std::fs::write(folder.path().join("other"), b"two").unwrap();
+    std::fs::rename(folder.path().join("other"), &path).unwrap();
+    let said = state.check().unwrap_err().to_string();
+    assert!(said.contains("changed while it was read"), "{said}");
 }

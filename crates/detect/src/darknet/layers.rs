@@ -25,6 +25,9 @@ type Result<T> = std::result::Result<T, String>;
 /// No layer of a network has more numbers.
 const MOST_NUMBERS: usize = 1 << 28;
 
+/// An image of 8192 px in cells of 8.
+const MOST_CELLS: usize = 1 << 20;
+
 /// What Darknet adds to a variance (`normalize_cpu`).
 const LEAST_VARIANCE: f32 = 1e-5;
 
@@ -161,10 +164,16 @@ impl Converter {
                 "[convolutional] would have {filters} filters of {each} numbers"
             ));
         }
-        let mut bias = weights.take(filters);
+        let [rows, columns] = [0, 1].map(|axis| (sides[axis] - side) / strides[axis] + 1);
+        let shape = [filters, rows, columns];
+        let bias = weights.take(filters);
         let normalised = (section.number("batch_normalize", 0)? != 0).then(|| [(); 3].map(|()| weights.take(filters)));
-        let mut kernel = weights.take(each * filters);
-        if let Some([scale, mean, variance]) = normalised {
+        let kernel = weights.take(each * filters);
+        // What the weights lack is counted to the end, and makes no network.
+        let (Some(mut bias), Some(mut kernel)) = (bias, kernel) else {
+            return Ok(Layer { name, shape });
+        };
+        if let Some([Some(scale), Some(mean), Some(variance)]) = normalised {
             for (i, kernel) in kernel.chunks_exact_mut(each).enumerate() {
                 let by = scale[i] / (variance[i] + LEAST_VARIANCE).sqrt();
                 kernel.iter_mut().for_each(|v| *v *= by);
@@ -181,8 +190,6 @@ impl Converter {
             ("group", Attribute::Int(groups as i64)),
         ];
         let name = self.graph.node("Conv", &[&name, &kernel, &bias], &attributes);
-        let [rows, columns] = [0, 1].map(|axis| (sides[axis] - side) / strides[axis] + 1);
-        let shape = [filters, rows, columns];
         Ok(Layer {
             name: self.activated(section, name, "logistic")?,
             shape,
@@ -379,6 +386,11 @@ impl Converter {
             return Err(format!("[yolo] has mask={mask:?}, and {} anchors", all.len() / 2));
         };
         let (count, row) = (own.len(), classes.saturating_add(5));
+        if rows.saturating_mul(columns) > MOST_CELLS {
+            return Err(format!(
+                "[yolo] has {rows} × {columns} cells: is it a Darknet configuration?"
+            ));
+        }
         if count.checked_mul(row) != Some(channels)
             || !self.input[1].is_multiple_of(rows)
             || !self.input[2].is_multiple_of(columns)

@@ -30,15 +30,13 @@ impl<'a> Weights<'a> {
         Ok(Weights { rest, missing: 0 })
     }
 
-    /// The next numbers; zeros where the file has ended, which are counted.
-    pub(super) fn take(&mut self, count: usize) -> Vec<f32> {
-        let bytes = count.saturating_mul(4).min(self.rest.len());
-        let (taken, rest) = self.rest.split_at(bytes);
+    /// The next numbers; `None` where the file has fewer, which are counted. Nothing is held because somebody asks for it.
+    pub(super) fn take(&mut self, count: usize) -> Option<Vec<f32>> {
+        let there = count.min(self.rest.len() / 4);
+        let (taken, rest) = self.rest.split_at(4 * there);
         self.rest = rest;
-        let mut numbers: Vec<f32> = taken.as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
-        self.missing = self.missing.saturating_add(count - numbers.len());
-        numbers.resize(count, 0.0);
-        numbers
+        self.missing = self.missing.saturating_add(count - there);
+        (self.missing == 0).then(|| taken.as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect())
     }
 
     pub(super) fn left(&self) -> usize {

@@ -15,7 +15,7 @@ fn fault<T>(sentence: impl Into<String>) -> Result<T> {
     Err(ModelFault(sentence.into()))
 }
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Model {
     /// The version of ONNX's own operators.
     pub opset: i64,
@@ -32,21 +32,22 @@ pub struct Model {
 pub struct Node {
     pub name: String,
     pub operator: String,
+    domain: String,
     /// An input that is left out has an empty name.
     pub inputs: Vec<String>,
     pub outputs: Vec<String>,
     pub attributes: BTreeMap<String, Attribute>,
 }
 
+/// A single number or text is a list of one.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Attribute {
-    Int(i64),
-    Float(f32),
-    Text(String),
     Ints(Vec<i64>),
     Floats(Vec<f32>),
     Texts(Vec<String>),
     Tensor(Tensor),
+    /// Nodes within a node, which are not read.
+    Graphs,
 }
 
 /// Row-major; there are as many numbers as the shape says.
@@ -83,10 +84,7 @@ impl Model {
 
 impl Node {
     pub fn int(&self, name: &str) -> Option<i64> {
-        match self.attributes.get(name)? {
-            Attribute::Int(v) => Some(*v),
-            _ => None,
-        }
+        self.ints(name)?.first().copied()
     }
 
     pub fn ints(&self, name: &str) -> Option<&[i64]> {
@@ -97,10 +95,7 @@ impl Node {
     }
 
     pub fn float(&self, name: &str) -> Option<f32> {
-        match self.attributes.get(name)? {
-            Attribute::Float(v) => Some(*v),
-            _ => None,
-        }
+        self.floats(name)?.first().copied()
     }
 
     pub fn floats(&self, name: &str) -> Option<&[f32]> {
@@ -112,7 +107,7 @@ impl Node {
 
     pub fn text(&self, name: &str) -> Option<&str> {
         match self.attributes.get(name)? {
-            Attribute::Text(v) => Some(v),
+            Attribute::Texts(v) => v.first().map(String::as_str),
             _ => None,
         }
     }
@@ -123,27 +118,65 @@ impl Node {
             _ => None,
         }
     }
+
+    pub(super) fn read(message: &[u8]) -> Result<Node> {
+        let mut node = Node::default();
+        for field in fields(message)? {
+            let (number, Field::Bytes(bytes)) = field else { continue };
+            match number {
+                1 => node.inputs.push(text(bytes)?),
+                2 => node.outputs.push(text(bytes)?),
+                3 => node.name = text(bytes)?,
+                4 => node.operator = text(bytes)?,
+                5 => node.attributes.extend([read_attribute(bytes)?]),
+                7 => node.domain = text(bytes)?,
+                _ => {}
+            }
+        }
+        Ok(node)
+    }
+
+    /// The operator's name, where it is not ONNX's own or holds graphs.
+    fn unknown(&self) -> Option<String> {
+        if !is_own(&self.domain) {
+            return Some(format!("{}.{}", self.domain, self.operator));
+        }
+        let holds_graphs = self.attributes.values().any(|value| *value == Attribute::Graphs);
+        holds_graphs.then(|| self.operator.clone())
+    }
+
+    /// What a `Constant` holds: numbers, in the one attribute that it has.
+    pub(super) fn constant(&self) -> Option<Tensor> {
+        let (name, value) = self.attributes.first_key_value()?;
+        let (count, numbers) = match value.clone() {
+            Attribute::Tensor(tensor) => return Some(tensor),
+            Attribute::Floats(v) => (v.len(), Numbers::Floats(v)),
+            Attribute::Ints(v) => (v.len(), Numbers::Whole(v)),
+            _ => return None,
+        };
+        let is_list = name.ends_with('s') || count != 1;
+        let shape = if is_list { vec![count] } else { Vec::new() };
+        Some(Tensor { shape, numbers })
+    }
+}
+
+fn whole<T>(read: Option<T>) -> Result<T> {
+    read.ok_or_else(|| ModelFault("it is no whole ONNX file".to_owned()))
 }
 
 /// All fields of a message.
 fn fields(message: &[u8]) -> Result<Vec<(u64, Field<'_>)>> {
-    match Fields(message).all() {
-        Some(fields) => Ok(fields),
-        None => fault("it is no whole ONNX file"),
-    }
+    whole(Fields(message).all())
+}
+
+fn packed(bytes: &[u8]) -> Result<Vec<u64>> {
+    whole(Fields(bytes).varints())
 }
 
 fn text(bytes: &[u8]) -> Result<String> {
     match std::str::from_utf8(bytes) {
         Ok(text) => Ok(text.to_owned()),
         Err(_) => fault("it has a text that is not UTF-8"),
-    }
-}
-
-fn packed(bytes: &[u8]) -> Result<Vec<u64>> {
-    match Fields(bytes).varints() {
-        Some(numbers) => Ok(numbers),
-        None => fault("it is no whole ONNX file"),
     }
 }
 
@@ -175,22 +208,22 @@ fn is_own(domain: &str) -> bool {
 fn read_graph(message: &[u8], opset: i64) -> Result<Model> {
     let mut model = Model {
         opset,
-        inputs: Vec::new(),
-        outputs: Vec::new(),
-        nodes: Vec::new(),
-        constants: BTreeMap::new(),
+        ..Model::default()
     };
     let mut unknown = BTreeSet::new();
     for field in fields(message)? {
         match field {
-            (1, Field::Bytes(message)) => match read_node(message)? {
-                Ok(node) if node.operator == "Constant" => {
-                    let name = node.outputs.first().cloned().unwrap_or_default();
-                    model.constants.insert(name, constant(node)?);
+            (1, Field::Bytes(message)) => {
+                let mut node = Node::read(message)?;
+                unknown.extend(node.unknown());
+                if node.operator != "Constant" {
+                    model.nodes.push(node);
+                } else if let Some(tensor) = node.constant() {
+                    model.constants.insert(node.outputs.pop().unwrap_or_default(), tensor);
+                } else {
+                    return fault("it has a constant that holds no numbers");
                 }
-                Ok(node) => model.nodes.push(node),
-                Err(operator) => _ = unknown.insert(operator.escape_debug().to_string()),
-            },
+            }
             (5, Field::Bytes(message)) => model.constants.extend([read_tensor(message)?]),
             (11, Field::Bytes(message)) => model.inputs.push(port(message)?),
             (12, Field::Bytes(message)) => model.outputs.push(port(message)?),
@@ -201,7 +234,8 @@ fn read_graph(message: &[u8], opset: i64) -> Result<Model> {
     if !unknown.is_empty() {
         let unknown = Vec::from_iter(unknown).join(", ");
         return fault(format!(
-            "it has operators that are not ONNX's own or hold graphs: {unknown}"
+            "it has operators that are not ONNX's own or hold graphs: {}",
+            unknown.escape_debug()
         ));
     }
     model.inputs.retain(|name| !model.constants.contains_key(name));
@@ -219,35 +253,8 @@ fn port(message: &[u8]) -> Result<String> {
         .unwrap_or_else(|| Ok(String::new()))
 }
 
-/// A node, or the name of an operator that is not ONNX's own or holds graphs.
-fn read_node(message: &[u8]) -> Result<std::result::Result<Node, String>> {
-    let (mut node, mut domain, mut holds_graph) = (Node::default(), String::new(), false);
-    for field in fields(message)? {
-        let (number, Field::Bytes(bytes)) = field else { continue };
-        match number {
-            1 => node.inputs.push(text(bytes)?),
-            2 => node.outputs.push(text(bytes)?),
-            3 => node.name = text(bytes)?,
-            4 => node.operator = text(bytes)?,
-            5 => match read_attribute(bytes)? {
-                (name, Some(attribute)) => _ = node.attributes.insert(name, attribute),
-                (_, None) => holds_graph = true,
-            },
-            7 => domain = text(bytes)?,
-            _ => {}
-        }
-    }
-    Ok(if !is_own(&domain) {
-        Err(format!("{domain}.{}", node.operator))
-    } else if holds_graph {
-        Err(node.operator)
-    } else {
-        Ok(node)
-    })
-}
-
-/// An attribute by its name; none where it holds graphs.
-fn read_attribute(message: &[u8]) -> Result<(String, Option<Attribute>)> {
+/// An attribute and its name.
+fn read_attribute(message: &[u8]) -> Result<(String, Attribute)> {
     let (mut name, mut kind, mut tensor) = (String::new(), 0, None);
     let (mut floats, mut ints, mut texts) = (Vec::new(), Vec::new(), Vec::new());
     for field in fields(message)? {
@@ -264,45 +271,25 @@ fn read_attribute(message: &[u8]) -> Result<(String, Option<Attribute>)> {
         }
     }
     // A number that is 0 and a text that is empty may be left out.
+    match kind {
+        1 => floats.resize(1, 0.0),
+        2 => ints.resize(1, 0),
+        3 => texts.resize(1, String::new()),
+        _ => {}
+    }
     let attribute = match (kind, tensor) {
-        (1, _) => Attribute::Float(floats.pop().unwrap_or_default()),
-        (2, _) => Attribute::Int(ints.pop().unwrap_or_default()),
-        (3, _) => Attribute::Text(texts.pop().unwrap_or_default()),
+        (1 | 6, _) => Attribute::Floats(floats),
+        (2 | 7, _) => Attribute::Ints(ints),
+        (3 | 8, _) => Attribute::Texts(texts),
         (4, Some(tensor)) => Attribute::Tensor(tensor),
-        (5 | 10, _) => return Ok((name, None)),
-        (6, _) => Attribute::Floats(floats),
-        (7, _) => Attribute::Ints(ints),
-        (8, _) => Attribute::Texts(texts),
+        (5 | 10, _) => Attribute::Graphs,
         _ => return fault(format!("its attribute {name:?} is of an unknown kind")),
     };
-    Ok((name, Some(attribute)))
-}
-
-/// What a `Constant` node holds.
-fn constant(node: Node) -> Result<Tensor> {
-    let list = |count, numbers| Tensor {
-        shape: vec![count],
-        numbers,
-    };
-    let single = |numbers| Tensor {
-        shape: Vec::new(),
-        numbers,
-    };
-    for (name, value) in node.attributes {
-        return Ok(match (name.as_str(), value) {
-            ("value", Attribute::Tensor(tensor)) => tensor,
-            ("value_float", Attribute::Float(v)) => single(Numbers::Floats(vec![v])),
-            ("value_int", Attribute::Int(v)) => single(Numbers::Whole(vec![v])),
-            ("value_floats", Attribute::Floats(v)) => list(v.len(), Numbers::Floats(v)),
-            ("value_ints", Attribute::Ints(v)) => list(v.len(), Numbers::Whole(v)),
-            _ => continue,
-        });
-    }
-    fault("it has a constant that holds no numbers")
+    Ok((name, attribute))
 }
 
 /// A tensor and its name.
-fn read_tensor(message: &[u8]) -> Result<(String, Tensor)> {
+pub(super) fn read_tensor(message: &[u8]) -> Result<(String, Tensor)> {
     let (mut name, mut element, mut sides, mut raw, mut is_outside) = (String::new(), 0, Vec::new(), None, false);
     let (mut floats, mut whole) = (Vec::new(), Vec::new());
     for field in fields(message)? {
@@ -325,11 +312,19 @@ fn read_tensor(message: &[u8]) -> Result<(String, Tensor)> {
     if is_outside {
         return fault(format!("its tensor {name:?} lies in another file"));
     }
-    let numbers = match raw {
-        Some(raw) => of_raw(element, raw)?,
-        None => of_lists(element, floats, whole),
-    };
-    let Some(numbers) = numbers else {
+    match (element, raw) {
+        (1, Some(raw)) => floats = each(raw, f32::from_le_bytes)?,
+        (11, Some(raw)) => floats = each(raw, |v| f64::from_le_bytes(v) as f32)?,
+        (2 | 9, Some(raw)) => whole = each(raw, |[v]| v.into())?,
+        (3, Some(raw)) => whole = each(raw, |v| i8::from_le_bytes(v) as u64)?,
+        (4 | 10 | 16, Some(raw)) => whole = each(raw, |v| u16::from_le_bytes(v).into())?,
+        (5, Some(raw)) => whole = each(raw, |v| i16::from_le_bytes(v) as u64)?,
+        (6, Some(raw)) => whole = each(raw, |v| i32::from_le_bytes(v) as u64)?,
+        (12, Some(raw)) => whole = each(raw, |v| u32::from_le_bytes(v).into())?,
+        (7 | 13, Some(raw)) => whole = each(raw, u64::from_le_bytes)?,
+        _ => {}
+    }
+    let Some(numbers) = numbers(element, floats, whole) else {
         let kind = other_kind(element);
         return fault(format!("its tensor {name:?} holds {kind}, which are not followed"));
     };
@@ -353,43 +348,19 @@ impl Numbers {
     }
 }
 
-/// The numbers of a tensor that are written as bytes; none for other kinds of elements.
-fn of_raw(element: u64, raw: &[u8]) -> Result<Option<Numbers>> {
-    Ok(Some(match element {
-        1 => Numbers::Floats(each(raw, f32::from_le_bytes)?),
-        2 => Numbers::Whole(each(raw, |[v]| v.into())?),
-        3 => Numbers::Whole(each(raw, |v| i8::from_le_bytes(v).into())?),
-        4 => Numbers::Whole(each(raw, |v| u16::from_le_bytes(v).into())?),
-        5 => Numbers::Whole(each(raw, |v| i16::from_le_bytes(v).into())?),
-        6 => Numbers::Whole(each(raw, |v| i32::from_le_bytes(v).into())?),
-        7 => Numbers::Whole(each(raw, i64::from_le_bytes)?),
-        9 => Numbers::Whole(each(raw, |[v]| i64::from(v != 0))?),
-        10 => Numbers::Floats(each(raw, |v| half(u16::from_le_bytes(v)))?),
-        11 => Numbers::Floats(each(raw, |v| f64::from_le_bytes(v) as f32)?),
-        12 => Numbers::Whole(each(raw, |v| u32::from_le_bytes(v).into())?),
-        13 => Numbers::Whole(each(raw, |v| highest(u64::from_le_bytes(v)))?),
-        16 => Numbers::Floats(each(raw, |v| upper_half(u16::from_le_bytes(v)))?),
-        _ => return Ok(None),
-    }))
-}
-
-/// The numbers of a tensor that are written one by one; none for other kinds of elements.
-fn of_lists(element: u64, floats: Vec<f32>, whole: Vec<u64>) -> Option<Numbers> {
+/// The numbers of a tensor of floats or of whole numbers and bits; none for other kinds of elements.
+fn numbers(element: u64, floats: Vec<f32>, whole: Vec<u64>) -> Option<Numbers> {
     let whole = whole.into_iter();
     Some(match element {
         1 | 11 => Numbers::Floats(floats),
         2..=7 | 12 => Numbers::Whole(whole.map(|v| v as i64).collect()),
         9 => Numbers::Whole(whole.map(|v| i64::from(v != 0)).collect()),
         10 => Numbers::Floats(whole.map(|bits| half(bits as u16)).collect()),
-        13 => Numbers::Whole(whole.map(highest).collect()),
+        // The highest where it is above.
+        13 => Numbers::Whole(whole.map(|v| v.try_into().unwrap_or(i64::MAX)).collect()),
         16 => Numbers::Floats(whole.map(|bits| upper_half(bits as u16)).collect()),
         _ => return None,
     })
-}
-
-/// A number, or the highest of its type where it is above.
-fn highest(v: u64) -> i64 {
-    v.try_into().unwrap_or(i64::MAX)
 }
 
 fn other_kind(element: u64) -> String {

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::model::{Node, Numbers, Tensor, read_tensor};
 use super::wire::{Field, Fields};
 
 #[derive(Debug, Default, PartialEq)]
@@ -28,15 +29,6 @@ impl Affine {
     }
 }
 
-#[derive(Default)]
-struct Node<'a> {
-    operator: &'a str,
-    inputs: Vec<&'a str>,
-    output: &'a str,
-    /// The number of a `Constant`.
-    constant: Option<f32>,
-}
-
 fn text(bytes: &[u8]) -> &str {
     std::str::from_utf8(bytes).unwrap_or_default()
 }
@@ -56,11 +48,11 @@ impl OnnxFile {
         let (mut nodes, mut constants) = (Vec::new(), BTreeMap::new());
         for field in Fields(graph) {
             match field {
-                (1, Field::Bytes(node)) => nodes.push(Node::read(node)),
+                (1, Field::Bytes(node)) => nodes.extend(Node::read(node)),
                 (2, Field::Bytes(name)) => made_by = format!("{made_by} {}", text(name)),
                 (5, Field::Bytes(tensor)) => {
-                    let (name, number) = first_number(tensor);
-                    constants.extend(number.map(|number| (name, number)));
+                    let tensor = read_tensor(tensor).ok();
+                    constants.extend(tensor.and_then(|(name, tensor)| Some((name, first_number(&tensor)?))));
                 }
                 _ => {}
             }
@@ -68,11 +60,14 @@ impl OnnxFile {
         let of_functions = functions.iter().flat_map(|function| Fields(function));
         let of_functions: Vec<Node> = of_functions
             .filter_map(|field| match field {
-                (7, Field::Bytes(node)) => Some(Node::read(node)),
+                (7, Field::Bytes(node)) => Node::read(node).ok(),
                 _ => None,
             })
             .collect();
-        constants.extend(nodes.iter().filter_map(|node| Some((node.output, node.constant?))));
+        let of_nodes = nodes.iter().filter(|node| node.operator == "Constant");
+        constants.extend(
+            of_nodes.filter_map(|node| Some((node.outputs.first()?.clone(), first_number(&node.constant()?)?))),
+        );
         OnnxFile {
             made_by: made_by.to_lowercase(),
             samples: nodes
@@ -84,54 +79,16 @@ impl OnnxFile {
     }
 }
 
-impl<'a> Node<'a> {
-    fn read(bytes: &'a [u8]) -> Node<'a> {
-        let mut node = Node::default();
-        for field in Fields(bytes) {
-            match field {
-                (1, Field::Bytes(name)) => node.inputs.push(text(name)),
-                (2, Field::Bytes(name)) => node.output = text(name),
-                (4, Field::Bytes(name)) => node.operator = text(name),
-                (5, Field::Bytes(attribute)) => {
-                    node.constant = Fields(attribute).find_map(|field| match field {
-                        (5, Field::Bytes(tensor)) => first_number(tensor).1,
-                        (2, Field::Four(number)) => Some(f32::from_le_bytes(number)),
-                        _ => None,
-                    });
-                }
-                _ => {}
-            }
-        }
-        if node.operator != "Constant" {
-            node.constant = None;
-        }
-        node
+/// The first number of a tensor, where its numbers are floats and for a channel or for all.
+fn first_number(tensor: &Tensor) -> Option<f32> {
+    match &tensor.numbers {
+        Numbers::Floats(v) if matches!(v.len(), 1 | 3) => v.first().copied(),
+        _ => None,
     }
-}
-
-/// The name of a tensor and its first number, where its numbers are floats and for a channel or for all.
-fn first_number(tensor: &[u8]) -> (&str, Option<f32>) {
-    let (mut name, mut count, mut numbers, mut is_float) = ("", 1_u64, None, false);
-    for field in Fields(tensor) {
-        match field {
-            (1, Field::Int(side)) => count = count.saturating_mul(side),
-            // Packed.
-            (1, Field::Bytes(sides)) => sides
-                .iter()
-                .for_each(|side| count = count.saturating_mul(u64::from(*side))),
-            (2, Field::Int(kind)) => is_float = kind == 1,
-            (4 | 9, Field::Bytes(bytes)) => numbers = bytes.first_chunk().copied(),
-            (4, Field::Four(number)) => numbers = numbers.or(Some(number)),
-            (8, Field::Bytes(bytes)) => name = text(bytes),
-            _ => {}
-        }
-    }
-    let is_plain = is_float && matches!(count, 1 | 3);
-    (name, numbers.filter(|_| is_plain).map(f32::from_le_bytes))
 }
 
 /// Follows the image through the nodes that change its numbers by constants or only move them.
-fn prepares(nodes: &[Node], constants: &BTreeMap<&str, f32>, image: &str) -> Option<Affine> {
+fn prepares(nodes: &[Node], constants: &BTreeMap<String, f32>, image: &str) -> Option<Affine> {
     let (mut at, mut done) = (
         image,
         Affine {
@@ -143,13 +100,13 @@ fn prepares(nodes: &[Node], constants: &BTreeMap<&str, f32>, image: &str) -> Opt
     for _ in nodes {
         let mut readers = nodes
             .iter()
-            .filter(|node| node.inputs.contains(&at) && node.operator != "Shape");
+            .filter(|node| node.inputs.iter().any(|input| input == at) && node.operator != "Shape");
         let (Some(node), None) = (readers.next(), readers.next()) else {
             break;
         };
         let constant = node.inputs.iter().find_map(|name| constants.get(name)).copied();
         let Affine { scale, offset } = done;
-        done = match (node.operator, constant) {
+        done = match (node.operator.as_str(), constant) {
             ("Mul", Some(by)) => Affine {
                 scale: scale * by,
                 offset: offset * by,
@@ -169,7 +126,7 @@ fn prepares(nodes: &[Node], constants: &BTreeMap<&str, f32>, image: &str) -> Opt
             ("Cast" | "Identity" | "Transpose" | "Reshape" | "Squeeze" | "Unsqueeze" | "Resize" | "Pad", _) => done,
             _ => break,
         };
-        at = node.output;
+        at = node.outputs.last().map_or("", String::as_str);
     }
     let is_something = done.scale.is_finite() && done.scale != 0.0 && (done.scale, done.offset) != (1.0, 0.0);
     is_something.then_some(done)

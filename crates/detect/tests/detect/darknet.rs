@@ -162,3 +162,32 @@ proptest! {
         let _: Result<Vec<u8>, _> = darknet_contents_to_onnx(&cfg, "x.cfg", &weights, "x.weights");
     }
 }
+
+/// A configuration says how many numbers a layer has, and how many layers there are: the weights say how many there are.
+#[test]
+fn nothing_is_held_because_a_configuration_says_so() {
+    let head = "[net]\nwidth=416\nheight=416\nchannels=3\n";
+    let layer = |filters: usize, size: usize| {
+        format!("[convolutional]\nfilters={filters}\nsize={size}\nstride=1\npad=1\nactivation=leaky\n")
+    };
+    let tail = "[yolo]\nmask=0\nanchors=10,14\nclasses=1\nnum=1\n";
+    let weights = [&[0_u8; 20][..], &[0; 4000]].concat();
+    let refusal = |cfg: &str| {
+        darknet_contents_to_onnx(cfg, "x.cfg", &weights, "x.weights")
+            .unwrap_err()
+            .to_string()
+    };
+    // 2 × 800 MB, were they made; what is missing is counted all the same.
+    let large = format!("{head}{}{}{}{tail}", layer(4000, 100), layer(5, 100), layer(6, 1));
+    let missing = 4000 * (1 + 3 * 10_000) + 5 * (1 + 4000 * 10_000) + 6 * (1 + 5) - 1000;
+    assert!(
+        refusal(&large).contains(&format!("{missing} numbers fewer")),
+        "{}",
+        refusal(&large)
+    );
+    // 20,000 × 260 kB.
+    let deep = format!("{head}{}{}{tail}", layer(255, 1).repeat(20_000), layer(6, 1));
+    assert!(refusal(&deep).contains("numbers fewer"), "{}", refusal(&deep));
+    let cells = format!("[net]\nwidth=8192\nheight=8192\nchannels=3\n{}{tail}", layer(2, 1));
+    assert!(refusal(&cells).contains("8192 × 8192 cells"), "{}", refusal(&cells));
+}

@@ -344,6 +344,11 @@ fn constant_nodes_are_constants() {
         of(onnx::list_attribute("value_ints", &[4, 5, 6])),
         expected(&[3], Numbers::Whole(vec![4, 5, 6]))
     );
+    // Of a name that says one number.
+    assert_eq!(
+        of(onnx::list_attribute("value_int", &[4, 5])),
+        expected(&[2], Numbers::Whole(vec![4, 5]))
+    );
 }
 
 #[test]

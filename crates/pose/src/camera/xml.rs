@@ -7,11 +7,26 @@ use roxmltree::{Document, Node};
 use super::fields::{Fields, Value};
 use super::{Camera, CameraFault, matrix_yaml};
 
+/// FileStorage gives an element one attribute or two. The parser compares all of an element with each other.
+const MOST_ATTRIBUTES: usize = 1000;
+
 pub(super) fn read(text: &str) -> Result<Camera, CameraFault> {
-    let document = Document::parse(text).map_err(|e| CameraFault::Syntax {
+    let syntax = |reason: String| CameraFault::Syntax {
         what: "an XML camera file",
-        reason: e.to_string(),
-    })?;
+        reason,
+    };
+    // Within an element's tag there is no other `<`.
+    let attributes = text
+        .split('<')
+        .map(|tag| tag.bytes().filter(|byte| *byte == b'=').count());
+    if attributes.max() > Some(MOST_ATTRIBUTES) {
+        return Err(syntax(format!("an element has more than {MOST_ATTRIBUTES} attributes")));
+    }
+    // FileStorage has none, and the parser compares those of an element with those of all around it.
+    if text.contains("xmlns") {
+        return Err(syntax("it has namespaces".to_owned()));
+    }
+    let document = Document::parse(text).map_err(|e| syntax(e.to_string()))?;
     let root = document.root_element();
     if !root.has_tag_name("opencv_storage") {
         return Err(CameraFault::UnknownFormat);

@@ -99,3 +99,18 @@ fn what_such_files_lack_or_have_too_much_is_said() {
         .to_string();
     assert!(none.contains("it has no camera cam2; it has cam0, cam1"), "{none}");
 }
+
+/// What would take the parser the square of its length.
+#[test]
+fn xml_of_many_attributes_or_namespaces_is_refused_at_once() {
+    let storage = |inner: &str| format!("<?xml version=\"1.0\"?><opencv_storage>{inner}</opencv_storage>");
+    let attributes: String = (0..200_000).map(|i| format!(" b{i}=\">\"")).collect();
+    let open: String = (0..20_000).map(|i| format!("<a xmlns:b{i}=\"u{i}\">")).collect();
+    for (text, word) in [
+        (storage(&format!("<a{attributes}/>")), "attributes"),
+        (storage(&(open + &"</a>".repeat(20_000))), "namespaces"),
+    ] {
+        let said = Camera::parse(&text, "camera.xml".as_ref()).unwrap_err().to_string();
+        assert!(said.contains(word), "{said}");
+    }
+}

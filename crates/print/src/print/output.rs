@@ -63,6 +63,13 @@ impl SheetOutput {
     }
 }
 
+impl SheetOutput {
+    /// Writes such files; the names of SVG's are this program's.
+    pub fn write(&self, files: &[(PathBuf, Vec<u8>)]) -> Result<(), FileError> {
+        files::write_beside(&[&self.path], files)
+    }
+}
+
 fn format_of(path: &Path) -> Result<SheetFormat, OutputError> {
     let ends_in = |ending| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending));
     match (ends_in("pdf"), ends_in("svg")) {

@@ -1,4 +1,4 @@
-//! The corners of a calibration board in one photo.
+//! Search for the corners of a calibration board in one photo.
 
 use std::f64::consts::SQRT_2;
 
@@ -17,7 +17,7 @@ use scaleproof_pose::tags::{
     DictionaryError, MarkerDictionary, SeenMarker, enlarged, least_reduction, marker_search, sides_px,
 };
 
-/// Why a photo gave no corners.
+/// Reason why a photo gave no corners.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoBoard {
     #[error("no board was found: is this the board of the file, wholly in the photo, sharp and evenly lit?")]
@@ -44,10 +44,10 @@ pub enum NoBoard {
     OpenCv(String),
 }
 
-/// Larger photos are reduced for the search: OpenCV takes some 45 bytes for each pixel.
+/// Number of pixels from which photos are reduced for the search: OpenCV takes some 45 bytes for each pixel.
 const MOST_SEARCHED_PX: u64 = 27_000_000;
 
-/// How a chessboard is looked for, the quick and likely ways first: in a copy of at most so many pixels, with these flags. OpenCV's search takes minutes
+/// Searches for a chessboard, the quick and likely ones first: in a copy of at most so many pixels, with these flags. OpenCV's search takes minutes
 /// and gigabytes at 12 megapixels and misses boards there that it finds in smaller copies, whose squares are as wide as its filters; each flag finds
 /// boards that the other misses.
 const CHESSBOARD_SEARCHES: [(u64, i32); 7] = [
@@ -61,19 +61,21 @@ const CHESSBOARD_SEARCHES: [(u64, i32); 7] = [
 ];
 const CHESSBOARD_THOROUGH: i32 = calib3d::CALIB_CB_NORMALIZE_IMAGE | calib3d::CALIB_CB_EXHAUSTIVE;
 
-/// No board fits a smaller image.
+/// Least side of an image that is searched, px.
 const LEAST_SIDE_PX: u32 = 32;
 
-/// A photo of fewer corners says little, and its halves could not be held against each other.
+/// Least number of corners of a photo: fewer say little, and their halves could not be compared.
 pub(super) const LEAST_CORNERS: usize = 12;
 
-/// `cornerSubPix` looks at a square of this half side at most; more averages the lens's bending in.
+/// Largest half side of the square that `cornerSubPix` averages over; more averages the lens's distortion in.
 const WIDEST_WINDOW_PX: f64 = 10.0;
 /// The least half side: with 1 px, noise alone moves a corner by half a pixel.
 const NARROWEST_WINDOW_PX: f64 = 2.0;
-/// How far a guess may be off, as a share of the room around the corner: OpenCV puts the corners of an AprilGrid's large tags up to 12 px out (sides of 146 px, room of 44).
+/// Largest error of a guess, as a share of the room around the corner: OpenCV puts the corners of an AprilGrid's large tags up to 12 px out (sides of
+/// 146 px, room of 44).
 const LARGEST_MISS: f64 = 1.0 / 3.0;
-/// From a corner to the next; nearer ones pull at it. Down to here, corners of ChArUco boards lie within 0.1 px (root mean square) of a plane's homography.
+/// Least distance from a corner to the next; nearer ones pull at it. Down to here, corners of ChArUco boards lie within 0.1 px (root mean square) of
+/// a plane's homography.
 const LEAST_ROOM_PX: f64 = 2.4;
 
 /// Refuses a board whose markers OpenCV does not know.
@@ -139,7 +141,7 @@ fn find_in(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorner>, NoBo
     })
 }
 
-/// From a corner of the board to what else its window must not hold, mm.
+/// Returns the distance from a corner of the board to the nearest thing that its window must not hold, mm.
 fn room_mm(board: &Definition) -> f64 {
     match board {
         Definition::Chessboard { square_mm, .. } => *square_mm,
@@ -160,7 +162,7 @@ fn room_mm(board: &Definition) -> f64 {
     }
 }
 
-/// That the markers are seen, but in squares (or tags) too small for their corners.
+/// Returns the error of markers that are seen in squares (or tags) too small for their corners.
 fn small_squares(board: &Definition, markers: &[PlacedMarker]) -> Option<NoBoard> {
     let side_mm = match board {
         Definition::Aprilgrid { tag_mm: side_mm, .. }
@@ -183,27 +185,27 @@ fn failed(e: opencv::Error) -> NoBoard {
     NoBoard::OpenCv(e.message.lines().next().unwrap_or_default().to_owned())
 }
 
-/// Every marker of a dictionary, whose black border is so many modules wide.
+/// Finds every marker of a dictionary, whose black border is `border_modules` modules wide.
 fn markers(image: &Mat, dictionary: &str, border_modules: u32) -> Result<Vec<SeenMarker>, NoBoard> {
     let search = marker_search(dictionary, border_modules).map_err(|e| NoBoard::OpenCv(e.to_string()))?;
     search.find(image).map_err(failed)
 }
 
-/// A marker of the board, and where the photo shows its corners (upper left first).
+/// A marker of the board, and its corners in the photo (upper left first).
 struct PlacedMarker {
     marker: Marker,
     corners_px: [[f64; 2]; 4],
 }
 
 impl PlacedMarker {
-    /// The shortest side, in px per mm of the board.
+    /// Returns the shortest side, in px per mm of the board.
     fn px_per_mm(&self) -> f64 {
         let [mm, ..] = sides_px(&self.marker.corners_mm);
         sides_px(&self.corners_px).into_iter().fold(f64::INFINITY, f64::min) / mm
     }
 }
 
-/// The seen markers that the board has, each seen once; `first` is OpenCV's number for the upper left corner.
+/// Returns the seen markers that the board has, each seen once; `first` is OpenCV's number for the upper left corner.
 fn known(seen: Vec<SeenMarker>, board: &Definition, first: usize) -> Result<Vec<PlacedMarker>, NoBoard> {
     let all = board.markers();
     let times = |id: i32| seen.iter().filter(|m| m.id == id).count();
@@ -237,7 +239,7 @@ fn charuco(image: &Mat, board: &Definition, seen: &[PlacedMarker]) -> opencv::Re
         let [a, b] = beside[..] else { continue };
         let from = [a, b].map(|p| p.marker.corners_mm).concat();
         let to = [a, b].map(|p| p.corners_px).concat();
-        // The corner carried into the image by the homography of the two markers.
+        // The homography of the two markers maps the corner into the image.
         let homography = calib3d::find_homography_ext_def(&points(&from), &points(&to))?;
         let Some(guess) = through(&homography, corner) else {
             continue;
@@ -283,7 +285,7 @@ fn chessboard(grey: &GrayImage, image: &Mat, inner_corners: [u32; 2]) -> opencv:
     Ok(Vec::new())
 }
 
-/// All inner corners, row by row, or none.
+/// Returns all inner corners, row by row, or none.
 fn sectors(image: &Mat, inner_corners: [u32; 2], flags: i32) -> opencv::Result<Vec<[f64; 2]>> {
     let size = Size::new(inner_corners[0] as i32, inner_corners[1] as i32);
     let mut corners = Vector::<Point2f>::new();
@@ -298,7 +300,7 @@ fn numbered(corners: Vec<[f64; 2]>) -> Vec<SeenCorner> {
     corners.into_iter().enumerate().map(corner).collect()
 }
 
-/// The saddle points near places in a copy reduced by a factor; those without room are left out.
+/// Returns the saddle points near places in a copy reduced by a factor; those without room are left out.
 fn saddles(image: &Mat, found: &[[f64; 2]], factor: u32) -> opencv::Result<Vec<SeenCorner>> {
     let mut corners = Vec::new();
     for (id, place) in found.iter().enumerate() {
@@ -312,7 +314,7 @@ fn saddles(image: &Mat, found: &[[f64; 2]], factor: u32) -> opencv::Result<Vec<S
     Ok(corners)
 }
 
-/// The saddle point near a guess; `None` where there is no room to look, or where it is not what was looked for.
+/// Returns the saddle point near a guess; `None` where there is no room to search, or where it lies too far from the guess.
 fn refined(image: &Mat, guess: [f64; 2], free_px: f64) -> opencv::Result<Option<[f64; 2]>> {
     // The window's corner does not lie beyond the next corner, or hardly: there its weight is small.
     let half = (free_px / SQRT_2).floor().clamp(NARROWEST_WINDOW_PX, WIDEST_WINDOW_PX);
@@ -336,8 +338,8 @@ fn through(h: &Mat, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
     (w != 0.0).then(|| [(a * x + b * y + c) / w, (d * x + e * y + f) / w])
 }
 
-/// Holds the corners against one homography, which a lens bends by a few per cent at most; what is further off is a corner
-/// found in a wrong place and left out, and when that is every fifth, the board is not the one described.
+/// Checks the corners against one homography, from which a lens bends them by a few per cent at most. A corner further off was found in a wrong place
+/// and is left out; when that is every fifth, the board is not the one described.
 fn flat_enough(found: Vec<SeenCorner>, board: &Definition) -> Result<Vec<SeenCorner>, NoBoard> {
     const BENT_SHARE: f64 = 0.04;
     let places = board.corners_mm();

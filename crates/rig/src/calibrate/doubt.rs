@@ -1,4 +1,4 @@
-//! When photos do not make a camera, and what makes one weaker.
+//! Checks that refuse photos which determine no camera, and cautions about a weak one.
 
 use super::fit::{CameraFit, View};
 use super::ladder::{CandidateModel, normal};
@@ -8,7 +8,7 @@ use super::target::Target;
 use super::{BoardPhoto, COVERAGE, Calibration, LEAST_PHOTOS, UnusedPhoto};
 use scaleproof_core::statistics::upper_median;
 
-/// Why there is no camera. Each is a sentence a photographer can act on.
+/// Reason why there is no camera. Each is a sentence a photographer can act on.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CalibrationError {
     #[error("no photo shows {what}; {first}")]
@@ -31,23 +31,23 @@ pub enum CalibrationError {
     NoFit,
 }
 
-/// What weakens a camera that was found. Each is a sentence.
+/// Caution about a camera that was found, as a sentence.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 #[serde(transparent)]
 pub struct CalibrationCaution(pub String);
 
-/// A photo is blurred when its edges are also wider than this many times the usual of the set, so that a soft lens is not held against every photo.
+/// Ratio to the usual edge width of the set above which a photo can be blurred, so that a soft lens is not held against every photo.
 const BLUR_TIMES: f64 = 2.0;
-/// Normals of the boards must differ by this much somewhere. Parallel planes give the same two constraints over and over (Zhang
+/// Least angle between the normals of some two boards. Parallel planes give the same two constraints over and over (Zhang
 /// 2000, section 3.3), and with the centre unknown that leaves the focal length open, however small the residuals.
 const LEAST_SPREAD_DEG: f64 = 12.0;
-/// With the principal point free, the focal length must be known to this. It goes into every distance as it is.
+/// Largest relative σ of the focal length with the principal point free. It goes into every distance as it is.
 const MOST_FOCAL_SIGMA: f64 = 0.01;
-/// Larger residuals than this share of the image's diagonal are another board or another camera: 2.4 px at 1280×960.
+/// Largest residual as a share of the image's diagonal: larger ones are of another board or another camera. 2.4 px at 1280×960.
 const MOST_RMS_SHARE: f64 = 0.0015;
-/// The focal length's standard deviation is this many times what the corners explain: more than chance among five photos.
+/// Ratio of the focal length's standard deviation to what the corners explain, above which there is a caution: more than chance among five photos.
 const FOCAL_TIMES: f64 = 2.0;
-/// Photos below which the uncertainties are themselves uncertain.
+/// Number of photos below which the uncertainties are themselves uncertain.
 const FEW_PHOTOS: usize = 10;
 
 /// Leaves out blurred photos and those of another size than most.
@@ -164,7 +164,7 @@ pub(super) fn fits(
     Ok(())
 }
 
-/// What a user should know about a camera that was found.
+/// Returns cautions about a camera that was found.
 pub(super) fn cautions(found: &Calibration) -> Vec<CalibrationCaution> {
     let mut cautions = Vec::new();
     let mut say = |sentence: String| cautions.push(CalibrationCaution(sentence));
@@ -229,7 +229,7 @@ pub(super) fn cautions(found: &Calibration) -> Vec<CalibrationCaution> {
     cautions
 }
 
-/// Corners of the image, a fifth of each side, where no board corner was seen.
+/// Returns the corners of the image, a fifth of each side, where no board corner was seen.
 fn missing_corners(coverage: &[u32]) -> Vec<&'static str> {
     let corners = [
         ("top left", 0, 0),

@@ -1,4 +1,4 @@
-//! A video as photos for a calibration: the sharp frames that differ most.
+//! Video as photos for a calibration: the sharp frames that differ most.
 
 use std::path::Path;
 
@@ -14,22 +14,22 @@ use scaleproof_photo::photo::turned_to_sensor;
 use scaleproof_pose::tags::{CornersBy, StartError, TagDetector, TagDetectorChoice};
 use scaleproof_video::{Frame, Selection, Video, VideoError};
 
-/// So many frames of a video are looked at, evenly over its length.
+/// Number of frames of a video that are searched, evenly over its length.
 const LOOKED_AT: u64 = 360;
-/// Of a longer video, so many in a row each time: the frames beside one say how it moves.
+/// Number of frames in a row that are searched in a longer video: the frames beside one say how it moves.
 const IN_A_ROW: u64 = 3;
-/// So many of them go into the camera.
+/// Number of frames that go into the camera.
 const CHOSEN: usize = 40;
-/// Frames that are held at a time; a search for tags takes as long to start as a frame takes.
+/// Number of frames that are held at a time; a search for tags takes as long to start as a frame takes.
 const HELD: usize = 16;
-/// Between frames further apart, s, a hand has turned back.
+/// Time between frames, s, after which a hand has turned back.
 const NEAR_S: f64 = 0.5;
-/// One way is no longer than the other by more.
+/// Largest ratio of the times from a frame to the one before and the one after.
 const EVEN: f64 = 1.5;
-/// Frames that share fewer corners than this show other parts of the target: as different as frames are.
+/// Least number of corners that frames share: with fewer they show other parts of the target, and are as different as frames are.
 const SHARED: usize = 4;
 
-/// Why a video cannot be looked at.
+/// Reason why a video cannot be searched.
 #[derive(Debug, thiserror::Error)]
 pub enum FilmError {
     #[error(transparent)]
@@ -42,17 +42,18 @@ pub enum FilmError {
 #[derive(Debug, Clone)]
 pub struct Film {
     pub frames: Vec<BoardPhoto>,
-    /// One sentence on the others.
+    /// One sentence on the frames that are left out.
     pub left_out: Vec<UnusedPhoto>,
-    /// Of all frames looked at, where it is known: what a rolling shutter may have done follows from it.
+    /// Motion in all searched frames, where it is known: what a rolling shutter may have done follows from it.
     pub motion: Motion,
 }
 
-/// Looks for the target in frames of a video, evenly spaced over it, and chooses among them: the sharper half, and of these the ones that
-/// differ most. Long videos are looked at three frames in a row at a time. The frames that were looked at and have no part are counted in one sentence. `on_done` gets how many frames were looked at, and of how many.
+/// Searches frames of a video for the target, evenly spaced over it, and chooses among them: the sharper half, and of these the ones that differ
+/// most. Long videos are searched three frames in a row at a time. The frames that were searched and are not chosen are counted in one sentence.
+/// `on_done` gets the number of frames searched, and of all that will be.
 ///
 /// # Errors
-/// A video that cannot be decoded.
+/// A video cannot be decoded.
 pub fn look_at_video(path: &Path, target: Target, on_done: impl Fn(u64, u64)) -> Result<Film, FilmError> {
     let video = Video::open(path)?;
     let by_length = video
@@ -128,7 +129,8 @@ pub fn look_at_video(path: &Path, target: Target, on_done: impl Fn(u64, u64)) ->
     })
 }
 
-/// How fast corners move in each photo: from the one looked at before it to the one after, where these are near in time, one as near as the other, and show the corner too.
+/// Returns the speed of the corners in each photo: from the one searched before it to the one after, where these are near in time, one about as near
+/// as the other, and show the corner too.
 fn motion(photos: &[BoardPhoto], times: &[f64]) -> Motion {
     let mut motion = Motion::new();
     for (photos, times) in photos.windows(3).zip(times.windows(3)) {
@@ -148,7 +150,7 @@ fn motion(photos: &[BoardPhoto], times: &[f64]) -> Motion {
     motion
 }
 
-/// Photos by those of their corners whose motion is known; where none is, the video is a row of stills.
+/// Reduces photos to those of their corners whose motion is known; where none is, the video is a row of stills.
 fn of_known_motion(mut photos: Vec<BoardPhoto>, motion: &Motion) -> Vec<BoardPhoto> {
     if !motion.is_empty() {
         photos.retain_mut(|photo| {
@@ -162,7 +164,8 @@ fn of_known_motion(mut photos: Vec<BoardPhoto>, motion: &Motion) -> Vec<BoardPho
 
 type Finder = Option<Box<dyn TagDetector>>;
 
-/// What finds tags, where the target has tags. The library's own corners lie up to a pixel inside tags that motion smears, which makes focal lengths short: the sides are fitted.
+/// Opens the tag detector, where the target has tags. The library's own corners lie up to a pixel inside tags that motion smears, which makes focal
+/// lengths short: the sides are fitted.
 fn finder(target: Target) -> Result<Finder, StartError> {
     match target {
         Target::Board(_) => Ok(None),
@@ -172,7 +175,7 @@ fn finder(target: Target) -> Result<Finder, StartError> {
     }
 }
 
-/// A frame as a camera file describes it, whichever way the camera was held.
+/// Turns a frame to the sensor's orientation, which a camera file describes, whichever way the camera was held.
 fn as_the_sensor_lies(frame: Frame<GrayImage>, turned_deg: u32) -> Frame<GrayImage> {
     let image = turned_to_sensor(frame.image, turned_deg);
     Frame { image, ..frame }
@@ -204,8 +207,8 @@ fn look_at(
     })
 }
 
-/// The sharper half, and of it those that differ most, in the order of the video: the sharpest first, then always the one that is furthest from all that were
-/// taken (farthest-point sampling: Gonzalez 1985, "Clustering to minimize the maximum intercluster distance").
+/// Returns the sharper half, and of it those that differ most, in the order of the video: the sharpest first, then always the one that is furthest
+/// from all that were taken (farthest-point sampling: Gonzalez 1985, "Clustering to minimize the maximum intercluster distance").
 fn choose(photos: Vec<BoardPhoto>) -> Vec<BoardPhoto> {
     let width = |photo: &BoardPhoto| photo.edge_width_px.unwrap_or(f64::INFINITY);
     let usual = upper_median(&photos.iter().map(width).collect::<Vec<_>>()).unwrap_or(f64::INFINITY);
@@ -230,7 +233,7 @@ fn choose(photos: Vec<BoardPhoto>) -> Vec<BoardPhoto> {
     taken.into_iter().map(|i| sharp[i].clone()).collect()
 }
 
-/// The mean way of the corners that both frames show, as a share of the image's diagonal; 1 where they share too few.
+/// Returns the mean distance between the corners that both frames show, as a share of the image's diagonal; 1 where they share too few.
 fn difference(a: &BoardPhoto, b: &BoardPhoto) -> f64 {
     let (width, height) = a.size;
     let way = |x: &super::SeenCorner| {

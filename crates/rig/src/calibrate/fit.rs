@@ -13,17 +13,17 @@ use scaleproof_pose::camera::Camera;
 use scaleproof_pose::camera::projection::{Parameters, by_step, project_unchecked};
 use scaleproof_pose::locate::{planar_branches, sqpnp};
 
-/// A step that lowers the cost by less than this share ends a fit: with a thousand numbers, a thousandth of a σ.
+/// Limits of a fit: a step that lowers the cost by less than this share ends it; with a thousand numbers, a thousandth of a σ.
 const LIMITS: Limits = Limits {
     first_damping: 1e-3,
     most_trials: 600,
     relative_gain: 1e-9,
     absolute_gain: 0.0,
 };
-/// So many of the best starting focal lengths are followed.
+/// Number of the best starting focal lengths that are followed.
 const FOLLOWED: usize = 2;
 
-/// What a fit sees of one photo: points whose places are known (mm; those of a board have z = 0), and where the photo shows them (px).
+/// Observations of one photo: points whose places are known (mm; those of a board have z = 0), and their places in the photo (px).
 #[derive(Debug, Clone)]
 pub struct View {
     pub points_mm: Vec<Point3<f64>>,
@@ -31,7 +31,7 @@ pub struct View {
 }
 
 impl View {
-    /// Every other point, from `first` on.
+    /// Returns every other point, from `first` on.
     pub fn half(&self, first: usize) -> View {
         View {
             points_mm: self.points_mm.iter().skip(first).step_by(2).copied().collect(),
@@ -62,8 +62,8 @@ pub(super) fn fit(model: LensModel, views: &[View], camera: Parameters, poses: V
     Some(minimise(CameraEquations::at(start, views)?, &LIMITS).fit)
 }
 
-/// The camera that explains the views best, in least squares, with the poses free: of a model, from a start, whose other numbers stay. What is
-/// seen is in the frame of the camera's image. `poses`: `T_camera_points` of each view, about. `None` where the fit finds none.
+/// Fits the camera that explains the views best, in least squares, with the poses free: of a model, from a start, whose other numbers stay.
+/// Observations are in the frame of the camera's image. `poses`: `T_camera_points` of each view, about. `None` where the fit finds none.
 pub fn refit(model: LensModel, start: &Camera, views: &[View], poses: Vec<Rigid>) -> Option<Camera> {
     let found = fit(model, views, start.parameters(), poses)?.camera;
     let mut camera = Camera::from_parameters((start.width, start.height), &found);
@@ -71,13 +71,13 @@ pub fn refit(model: LensModel, start: &Camera, views: &[View], poses: Vec<Rigid>
     Some(camera)
 }
 
-/// The pose of one view under a camera that is held, in least squares, from a start; with its cost, px².
+/// Fits the pose of one view under a fixed camera, in least squares, from a start; returns it with its cost, px².
 pub(super) fn pose(view: &View, camera: &Parameters, start: Rigid) -> Option<(Rigid, f64)> {
     let found = minimise(PoseEquations::at(start, view, camera)?, &LIMITS);
     Some((found.pose, found.block.cost))
 }
 
-/// The best fit of a model, the smallest or the fisheye, over starting focal lengths from wide angle to telephoto.
+/// Returns the best fit of a model, the smallest or the fisheye, over starting focal lengths from wide angle to telephoto.
 pub(super) fn first(model: LensModel, size: (u32, u32), views: &[View]) -> Option<CameraFit> {
     // The first, for a fisheye, has 180° across.
     const BY_LONGER_SIDE: [f64; 8] = [0.32, 0.45, 0.65, 0.9, 1.3, 1.9, 2.8, 4.5];
@@ -95,7 +95,8 @@ pub(super) fn first(model: LensModel, size: (u32, u32), views: &[View]) -> Optio
     fits.min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
 
-/// The better branch of a planar view, or the one start of another, refined. It starts from those points that the camera sees where the photo shows them.
+/// Returns the better branch of a planar view, or the one start of another, refined. The start uses those points whose pixels the camera model can
+/// unproject.
 fn best_start(view: &View, camera: &Parameters) -> Option<Rigid> {
     let lens = Camera::from_parameters((1, 1), camera);
     let pairs = view.points_mm.iter().copied().zip(view.seen_px.iter().copied());
@@ -110,7 +111,7 @@ fn best_start(view: &View, camera: &Parameters) -> Option<Rigid> {
 }
 
 impl CameraFit {
-    /// Seen minus projected, px, of each corner of each view.
+    /// Returns seen minus projected, px, of each corner of each view.
     pub fn residuals(&self, views: &[View]) -> Vec<Vec<[f64; 2]>> {
         let pairs = views.iter().zip(&self.poses);
         pairs
@@ -118,7 +119,7 @@ impl CameraFit {
             .collect()
     }
 
-    /// Covariance of the parameters of `model` (in its order) at this fit, the poses marginalised: the inverse of the Schur
+    /// Computes the covariance of the parameters of `model` (in its order) at this fit, the poses marginalised: the inverse of the Schur
     /// complement times the variance that the residuals show. `None` when the views do not determine the model.
     pub fn covariance(&self, model: LensModel, views: &[View]) -> Option<DMatrix<f64>> {
         let seen_as = CameraFit { model, ..self.clone() };
@@ -145,12 +146,12 @@ struct Block {
     cross: SMatrix<f64, ALL, 6>,
     pose: Matrix6<f64>,
     by_pose: Vector6<f64>,
-    /// px².
+    /// Cost, px².
     cost: f64,
 }
 
 impl Block {
-    /// `None` when the residuals are not finite.
+    /// Computes the equations; `None` when the residuals are not finite.
     fn at(view: &View, camera: &Parameters, pose: &Rigid) -> Option<Block> {
         let mut block = Block::default();
         for (point, [u, v]) in view.points_mm.iter().zip(&view.seen_px) {
@@ -175,7 +176,7 @@ impl Block {
     }
 }
 
-/// One pose under a camera that is held.
+/// Equations of one pose under a fixed camera.
 struct PoseEquations<'a> {
     pose: Rigid,
     block: Block,
@@ -205,13 +206,13 @@ impl LeastSquares for PoseEquations<'_> {
     }
 }
 
-/// Camera and poses: the camera's part summed over the views, by the parameters of the model.
+/// Equations of camera and poses: the camera's part summed over the views, by the parameters of the model.
 struct CameraEquations<'a> {
     fit: CameraFit,
     camera: DMatrix<f64>,
     by_camera: DVector<f64>,
     blocks: Vec<Block>,
-    /// From the parameters of the model to the numbers they set.
+    /// Matrix from the parameters of the model to the numbers they set.
     parameters: DMatrix<f64>,
     views: &'a [View],
 }
@@ -239,7 +240,7 @@ impl<'a> CameraEquations<'a> {
         })
     }
 
-    /// The Schur complement over the poses and its right-hand side, the diagonals raised by `damping`.
+    /// Returns the Schur complement over the poses and its right-hand side, the diagonals raised by `damping`.
     fn reduced(&self, damping: f64) -> Option<(DMatrix<f64>, DVector<f64>)> {
         let (mut s, mut b) = (self.camera.clone(), self.by_camera.clone());
         (0..s.nrows()).for_each(|i| s[(i, i)] *= 1.0 + damping);
@@ -283,7 +284,7 @@ impl LeastSquares for CameraEquations<'_> {
     }
 }
 
-/// Seen minus projected, px, of each corner.
+/// Returns seen minus projected, px, of each corner.
 fn residuals(view: &View, camera: &Parameters, pose: &Rigid) -> impl Iterator<Item = [f64; 2]> {
     let residual = move |(point, seen): (&Point3<f64>, &[f64; 2])| {
         let [x, y] = project_unchecked(camera, &(pose * point)).pixel;
@@ -292,7 +293,7 @@ fn residuals(view: &View, camera: &Parameters, pose: &Rigid) -> impl Iterator<It
     view.points_mm.iter().zip(&view.seen_px).map(residual)
 }
 
-/// Sum of squared distances of one view, px².
+/// Returns the sum of squared distances of one view, px²; `None` where it is not finite.
 pub(super) fn squared(view: &View, camera: &Parameters, pose: &Rigid) -> Option<f64> {
     let sum: f64 = residuals(view, camera, pose).flatten().map(|r| r * r).sum();
     sum.is_finite().then_some(sum)

@@ -1,17 +1,17 @@
-//! What photos left out say about a camera's uncertainty.
+//! Uncertainty of a camera by fits without some photos (jackknife).
 
 use nalgebra::{DMatrix, DVector};
 
 use super::fit::{self, CameraFit, View};
 use super::model::ALL;
 
-/// At most so many groups of photos are left out in turn.
+/// Largest number of groups of photos that are left out in turn.
 const MOST_GROUPS: usize = 20;
-/// So many of a film: frames that follow each other err alike, and stay together (the jackknife of blocks: Künsch 1989, "The Jackknife and the Bootstrap for General Stationary
-/// Observations").
+/// Number of groups of a film: frames that follow each other err alike, and stay together (the jackknife of blocks: Künsch 1989, "The Jackknife and
+/// the Bootstrap for General Stationary Observations").
 const FILM_GROUPS: usize = 8;
 
-/// A covariance of the camera's parameters, raised to what the photos bear out.
+/// Raises a covariance of the camera's parameters to what the photos bear out.
 ///
 /// The scatter of the corners alone understates it where the corners of one photo are off together: autofocus changes the focal length from photo to
 /// photo, and paper bends. So each parameter's standard deviation is at least the jackknife's over the photos, σ² = (g − 1)/g · Σ (θᵢ − θ̄)²
@@ -36,18 +36,19 @@ pub(super) fn raised(covariance: DMatrix<f64>, fit: &CameraFit, views: &[View], 
     (covariance.component_mul(&(&factors * factors.transpose())), focal)
 }
 
-/// Of a corner in a film, px: what light, blur, compression and motion do to it depends on how it is seen, and frame after frame shows much the same picture. In two rendered walks flat and
-/// standing tags of one size err by 0.01 to 0.09 px on average.
+/// Error that a corner in a film shares with other frames, px: the effect of light, blur, compression and motion depends on how it is seen, and frame
+/// after frame shows much the same picture. In two rendered walks flat and standing tags of one size err by 0.01 to 0.09 px on average.
 const ALIKE_PX: f64 = 0.05;
 
-/// What the corners of all frames of a film may be off together, as a covariance of the camera's parameters; `scatter`: by the corners' scatter, which many frames make small.
+/// Returns the covariance of the camera's parameters by the error that the corners of all frames of a film may share; `scatter`: by the corners'
+/// scatter, which many frames make small.
 pub(super) fn alike(scatter: &DMatrix<f64>, fit: &CameraFit, views: &[View]) -> DMatrix<f64> {
     let numbers: usize = views.iter().map(|view| 2 * view.seen_px.len()).sum();
     let variance = fit.cost / numbers.max(1) as f64;
     scatter * (ALIKE_PX.powi(2) * views.len() as f64 / variance.max(f64::MIN_POSITIVE))
 }
 
-/// The jackknife's variances of the camera's numbers; `None` where a fit without some photos fails.
+/// Returns the jackknife's variances of the camera's numbers; `None` where a fit without some photos fails.
 fn variances(fit: &CameraFit, views: &[View], is_film: bool) -> Option<[f64; ALL]> {
     let groups = views.len().min(if is_film { FILM_GROUPS } else { MOST_GROUPS });
     let group_of = |i: usize| if is_film { i * groups / views.len() } else { i % groups };

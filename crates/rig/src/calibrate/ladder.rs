@@ -1,4 +1,4 @@
-//! Which model: held-out error, and the smallest that is as good as the best.
+//! Choice of the model: the smallest whose held-out error is as good as the best.
 
 use nalgebra::{Point3, Vector3};
 
@@ -7,9 +7,9 @@ use super::model::LensModel;
 use scaleproof_core::geometry::Rigid;
 use scaleproof_pose::camera::projection::Parameters;
 
-/// At most so many folds; each leaves whole photos out.
+/// Largest number of folds; each leaves whole photos out.
 const MOST_FOLDS: usize = 10;
-/// A smaller model may be this much worse than the best, even where its standard error would allow more.
+/// Largest ratio of a chosen model's error to the best, even where its standard error would allow more.
 const MOST_WORSE: f64 = 1.05;
 
 /// A model fitted to all photos, and its held-out error.
@@ -17,15 +17,15 @@ const MOST_WORSE: f64 = 1.05;
 pub struct CandidateModel {
     pub model: LensModel,
     pub fit: CameraFit,
-    /// Root mean square over the photos, px.
+    /// Held-out error, root mean square over the photos, px.
     pub held_out_px: f64,
     /// Standard error of `held_out_px` over the photos, px.
     pub error_px: f64,
-    /// What this model changes against the chosen one.
+    /// Change of the poses against the chosen model.
     pub moves: ModelDifference,
 }
 
-/// How far another model moves the camera in the same photos, in the worst of them.
+/// Move of the camera by another model in the same photos, in the worst of them.
 #[derive(Debug, Clone, Copy, Default, serde::Serialize, schemars::JsonSchema)]
 pub struct ModelDifference {
     /// The direction in which the camera stands, seen from the board's middle, degrees.
@@ -76,7 +76,7 @@ pub(super) fn fit_ladder(
     models
 }
 
-/// The smallest model whose held-out error is within one standard error of the best, and within 5 % of it (Breiman et al.
+/// Returns the smallest model whose held-out error is within one standard error of the best, and within 5 % of it (Breiman et al.
 /// 1984's rule for trees, with a lid on it: few photos make a standard error wide).
 pub(super) fn choose(models: &[CandidateModel]) -> Option<usize> {
     let best = models.iter().min_by(|a, b| a.held_out_px.total_cmp(&b.held_out_px))?;
@@ -84,7 +84,7 @@ pub(super) fn choose(models: &[CandidateModel]) -> Option<usize> {
     models.iter().position(|r| r.held_out_px <= limit)
 }
 
-/// Mean squared error of each photo, px², from fits that have not seen it.
+/// Returns the mean squared error of each photo, px², from fits that have not seen it.
 fn held_out(whole: &CameraFit, views: &[View]) -> Option<Vec<f64>> {
     let folds = views.len().min(MOST_FOLDS);
     let mut errors = vec![0.0; views.len()];
@@ -110,7 +110,7 @@ fn cross_validated(view: &View, camera: &Parameters, start: Rigid) -> Option<f64
     Some(sum / view.seen_px.len() as f64)
 }
 
-/// Root of the mean, and its standard error (delta method: σ(√m) = σ(m) / 2√m).
+/// Returns the root of the mean, and its standard error (delta method: σ(√m) = σ(m) / 2√m).
 fn summary(squared: &[f64]) -> (f64, f64) {
     let n = squared.len() as f64;
     let mean = squared.iter().sum::<f64>() / n;
@@ -119,7 +119,7 @@ fn summary(squared: &[f64]) -> (f64, f64) {
     (root, (variance / n).sqrt() / (2.0 * root).max(1e-12))
 }
 
-/// What each model changes against the chosen one, on the photos themselves.
+/// Computes the move of the camera by each model against the chosen one, on the photos themselves.
 pub(super) fn compare(models: &mut [CandidateModel], chosen: usize, middle_mm: Point3<f64>) {
     let Some(reference) = models.get(chosen).map(|r| r.fit.poses.clone()) else {
         return;
@@ -137,12 +137,12 @@ pub(super) fn compare(models: &mut [CandidateModel], chosen: usize, middle_mm: P
     }
 }
 
-/// From a point to the camera, mm.
+/// Returns the vector from a point to the camera, mm.
 fn camera_from(pose: &Rigid, middle_mm: Point3<f64>) -> Vector3<f64> {
     pose.inverse() * Point3::origin() - middle_mm
 }
 
-/// The board's normal in the camera frame, towards the camera.
+/// Returns the board's normal in the camera frame, towards the camera.
 pub(super) fn normal(pose: &Rigid) -> Vector3<f64> {
     let n = pose.rotation * Vector3::z();
     if n.dot(&pose.translation.vector) > 0.0 { -n } else { n }

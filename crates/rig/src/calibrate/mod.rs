@@ -1,4 +1,5 @@
-//! Photos of a board, or of tags whose places are known, become the smallest camera model that fits them, with its uncertainty, or a reason why there is none.
+//! Calibration of a camera from photos of a board, or of tags whose places are known: the smallest model that fits, with its uncertainty, or a reason
+//! why there is none.
 
 mod detect;
 mod doubt;
@@ -37,16 +38,16 @@ pub use summary::{CalibrationAnswer, answer, table};
 pub use target::Target;
 pub use uncertainty::UncertaintyMap;
 
-/// A corner of the board, or of a tag of the scene, where a photo shows it.
+/// A corner of the board, or of a tag of the scene, in a photo.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeenCorner {
-    /// Which of [`Definition::corners_mm`]; of a scene, four times the tag's place in it and the corner.
+    /// Index into [`Definition::corners_mm`]; of a scene, four times the tag's place in it and the corner.
     pub id: usize,
-    /// Pixel (0, 0) is the centre of the top-left pixel.
+    /// Place in the photo; pixel (0, 0) is the centre of the top-left pixel.
     pub px: [f64; 2],
 }
 
-/// With fewer photos than this there is nothing to hold a camera against.
+/// Least number of photos of a calibration.
 pub const LEAST_PHOTOS: usize = 4;
 
 /// A photo in which the board (or tags of the scene) was found. Everything is in the sensor's frame, whichever way the camera was held, so that boards of mixed
@@ -56,7 +57,7 @@ pub struct BoardPhoto {
     pub file: String,
     /// Width and height in the sensor's frame, px.
     pub size: (u32, u32),
-    /// How far EXIF turns it clockwise to make it upright: 0, 90, 180 or 270.
+    /// Degrees by which EXIF turns it clockwise to make it upright: 0, 90, 180 or 270.
     pub turned_deg: u32,
     pub corners: Vec<SeenCorner>,
     /// Width of the edges at the corners, px; `None` where it could not be measured.
@@ -72,20 +73,20 @@ impl BoardPhoto {
     }
 }
 
-/// A photo that had no part in the camera, and the sentence why.
+/// A photo that had no part in the camera, and the reason, as a sentence.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct UnusedPhoto {
     pub file: String,
     pub reason: String,
 }
 
-/// What one photo has to do with the camera.
+/// Corners, residuals and pose of one photo of the camera.
 #[derive(Debug, Clone)]
 pub struct PhotoResult {
     pub file: String,
     /// As [`BoardPhoto::turned_deg`].
     pub turned_deg: u32,
-    /// Where the corners were seen, px, and seen minus projected, px.
+    /// Corners in the photo, px, and seen minus projected, px.
     pub corners_px: Vec<[f64; 2]>,
     pub residuals_px: Vec<[f64; 2]>,
     pub rms_px: f64,
@@ -103,12 +104,12 @@ pub struct Calibration {
     pub camera: Camera,
     /// Every model that could be fitted, from the smallest up.
     pub models: Vec<CandidateModel>,
-    /// Which of `models` the camera is.
+    /// Index of the camera's model in `models`.
     pub chosen: usize,
     /// Standard deviations of fx, fy, cx, cy (px), then the camera's coefficients; 0 for what the model does not fit. By the scatter of the corners, or by
     /// leaving photos out where that is larger.
     pub sigmas: [f64; model::ALL],
-    /// Over all corners, px.
+    /// Root mean square residual over all corners, px.
     pub rms_px: f64,
     pub photos: Vec<PhotoResult>,
     pub left_out: Vec<UnusedPhoto>,
@@ -117,7 +118,7 @@ pub struct Calibration {
     /// Corners seen in each cell of a 10 × 10 grid over the image, row by row.
     pub coverage: Vec<u32>,
     pub map: UncertaintyMap,
-    /// How many times larger the focal length's standard deviation is than the scatter of the corners alone would make it: from leaving photos out.
+    /// Ratio of the focal length's standard deviation, from leaving photos out, to that by the scatter of the corners alone.
     pub focal_raised: f64,
     pub cautions: Vec<CalibrationCaution>,
 }
@@ -167,11 +168,11 @@ fn look_at(path: &Path, board: &Definition) -> Result<BoardPhoto, UnusedPhoto> {
     })
 }
 
-/// Makes a camera of the corners seen: bad photos are left out, every model of the ladder is fitted, the smallest
+/// Calibrates a camera from the corners seen: bad photos are left out, every model of the ladder is fitted, the smallest
 /// whose held-out error is as good as the best is taken.
 ///
 /// # Errors
-/// Photos that do not determine a camera; the sentence says what to photograph.
+/// Photos do not determine a camera; the sentence says what to photograph.
 pub fn calibrate(
     board_photos: Vec<BoardPhoto>,
     left_out: Vec<UnusedPhoto>,
@@ -180,11 +181,11 @@ pub fn calibrate(
     fitted(board_photos, left_out, Target::Board(board), &Motion::new())
 }
 
-/// As [`calibrate`], of a video. The tags of a scene give no more than the focal length, the principal point, k1 and k2; the standard deviations contain
-/// what a rolling shutter may have done.
+/// Calibrates as [`calibrate`], from a video. The tags of a scene give no more than the focal length, the principal point, k1 and k2; the standard
+/// deviations contain the possible effect of a rolling shutter.
 ///
 /// # Errors
-/// Frames that do not determine a camera; the sentence says what to film.
+/// Frames do not determine a camera; the sentence says what to film.
 pub fn calibrate_film(film: Film, target: Target) -> Result<Calibration, CalibrationError> {
     fitted(film.frames, film.left_out, target, &film.motion)
 }
@@ -253,7 +254,7 @@ fn fitted(
     Ok(result)
 }
 
-/// The read-out by photos whose corners move; `None` where none do, or nothing fits.
+/// Estimates the read-out from photos whose corners move; `None` where none do, or nothing fits.
 fn read_out(
     photos: &[BoardPhoto],
     size: (u32, u32),

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use scaleproof_pose::camera::DistortionModel;
 use scaleproof_pose::camera::projection::{PARAMETERS, Parameters};
 
-/// How many numbers the largest model has: fx, fy, cx, cy, then k1, k2, p1, p2, k3, k4, k5, k6 in OpenCV's order.
+/// Number of parameters of the largest model: fx, fy, cx, cy, then k1, k2, p1, p2, k3, k4, k5, k6 in OpenCV's order.
 pub(super) const ALL: usize = PARAMETERS;
 
 /// The camera parameters that are fitted; others are 0, and a principal point that is not fitted is the image's centre.
@@ -29,8 +29,8 @@ pub enum LensModel {
 }
 
 impl LensModel {
-    /// In the order in which they are preferred. Each contains those before it, but for the fisheye, which contains none and is contained in none: it
-    /// stands behind `plumb_bob`, which more programs read, and before `rational`, which has more numbers.
+    /// Models in the order in which they are preferred. Each contains those before it, but for the fisheye, which contains none and is contained in
+    /// none: it stands behind `plumb_bob`, which more programs read, and before `rational`, which has more numbers.
     pub const LADDER: [LensModel; 7] = [
         LensModel::F,
         LensModel::FC,
@@ -61,7 +61,7 @@ impl LensModel {
         }
     }
 
-    /// The matrix that takes the fit's parameters to the numbers of [`ALL`]; one focal length is two of them.
+    /// Returns the matrix that takes the fit's parameters to the numbers of [`ALL`]; one focal length is two of them.
     pub(super) fn parameters_to_numbers(self) -> DMatrix<f64> {
         let shared = usize::from(self < LensModel::PlumbBob);
         DMatrix::from_fn(ALL, self.parameters(), |number, p| {
@@ -70,7 +70,7 @@ impl LensModel {
     }
 }
 
-/// Where a model starts: a focal length, and the image's centre (pixel (0, 0) is a pixel's centre).
+/// Returns the start of a model: a focal length, and the image's centre (pixel (0, 0) is a pixel's centre).
 pub(super) fn start(model: LensModel, (width, height): (u32, u32), focal_px: f64) -> Parameters {
     let [cx, cy] = [width, height].map(|side| (f64::from(side) - 1.0) / 2.0);
     let mut values = [0.0; ALL];

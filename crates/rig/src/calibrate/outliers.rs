@@ -1,4 +1,4 @@
-//! Photos and corners that disagree with all the others.
+//! Outliers: photos and corners that disagree with all the others.
 
 use nalgebra::Point3;
 
@@ -7,20 +7,20 @@ use super::model::LensModel;
 use super::{BoardPhoto, UnusedPhoto};
 use scaleproof_core::statistics::upper_median;
 
-/// Judged by a model rich enough that a lens is no outlier.
+/// Models fitted in turn for the judge of photos, the last rich enough that a lens is no outlier.
 const JUDGE: [LensModel; 3] = [LensModel::FC, LensModel::K1K2, LensModel::PlumbBob];
-/// Judged as a fisheye where that leaves less than this share of the squared residuals.
+/// Share of the squared residuals below which a fisheye judges instead.
 const FISHEYE_SHARE: f64 = 0.5;
-/// A photo this many times worse than the median photo, and worse than this in px, is left out.
+/// Ratio to the median photo's residual, and px, above which a photo is left out.
 const PHOTO_TIMES: f64 = 4.0;
 const PHOTO_PX: f64 = 1.0;
-/// A corner this many robust standard deviations off, and this many px, is left out.
+/// Robust standard deviations, and px, above which a corner is left out.
 const CORNER_TIMES: f64 = 8.0;
 const CORNER_PX: f64 = 1.0;
-/// A photo that loses every fifth corner is left out whole.
+/// Share of lost corners above which a photo is left out whole.
 const LOST_SHARE: f64 = 0.2;
 
-/// What was left out, and the fit of the smallest model over the rest.
+/// Photos that stay and those left out, and the fit of the smallest model over the rest.
 pub(super) struct Cleaned {
     pub board_photos: Vec<BoardPhoto>,
     pub dropped: Vec<UnusedPhoto>,
@@ -36,7 +36,7 @@ pub(super) fn clean(mut board_photos: Vec<BoardPhoto>, size: (u32, u32), places:
         let views: Vec<View> = board_photos.iter().map(|s| s.view(places)).collect();
         let first = fit::first(LensModel::F, size, &views)?;
         let length = |residuals: &Vec<[f64; 2]>| residuals.iter().map(|[x, y]| x.hypot(*y)).collect();
-        // Without a judge nothing disagrees.
+        // Without a judge nothing is left out.
         let judged = judge(&first, size, &views).map_or_else(Vec::new, |judge| judge.residuals(&views));
         let lengths: Vec<Vec<f64>> = judged.iter().map(length).collect();
         if let Some((worst, reason)) = worst_photo(&lengths).filter(|_| board_photos.len() > super::LEAST_PHOTOS) {
@@ -57,7 +57,7 @@ pub(super) fn clean(mut board_photos: Vec<BoardPhoto>, size: (u32, u32), places:
     }
 }
 
-/// The camera that photos are held against.
+/// Fits the camera that photos are judged by.
 pub(super) fn judge(first: &CameraFit, size: (u32, u32), views: &[View]) -> Option<CameraFit> {
     let judge = JUDGE.into_iter().try_fold(first.clone(), |start, model| {
         fit::fit(model, views, start.camera, start.poses)
@@ -71,7 +71,7 @@ pub(super) fn judge(first: &CameraFit, size: (u32, u32), views: &[View]) -> Opti
     fisheye.or(judge)
 }
 
-/// The photo that does not fit the others, and the sentence that says so.
+/// Returns the photo that does not fit the others, and the sentence that says so.
 fn worst_photo(lengths: &[Vec<f64>]) -> Option<(usize, String)> {
     let mean_square = |l: &Vec<f64>| l.iter().map(|v| v * v).sum::<f64>() / l.len().max(1) as f64;
     let rms: Vec<f64> = lengths.iter().map(|l| mean_square(l).sqrt()).collect();
@@ -102,7 +102,7 @@ fn drop_corners(board_photos: &mut [BoardPhoto], lengths: &[Vec<f64>]) -> usize 
     lost
 }
 
-/// The median length of a residual is 1.18 σ of one axis (Rayleigh).
+/// Returns the residual above which a corner is left out, px. The median length of a residual is 1.18 σ of one axis (Rayleigh).
 fn corner_limit(lengths: &[Vec<f64>]) -> f64 {
     let sigma = upper_median(&lengths.concat()).unwrap_or(0.0) / 1.1774;
     CORNER_PX.max(CORNER_TIMES * sigma)

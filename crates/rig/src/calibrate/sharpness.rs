@@ -1,17 +1,17 @@
-//! How blurred a photo is, measured where it matters: at the board's corners.
+//! Blur of a photo, measured where it matters: at the board's corners.
 
 use image::GrayImage;
 
 use super::SeenCorner;
 use scaleproof_core::statistics::upper_median;
 
-/// Edges wider than this are blurred: a corner is then found, but where a moving camera smeared it. Sharp photos measure 3 to 5 px.
+/// Width above which edges are blurred, px: a corner is then found, but where a moving camera smeared it. Sharp photos measure 3 to 5 px.
 pub(super) const BLURRED_PX: f64 = 9.0;
 
-/// Half side of the square looked at around a corner.
+/// Half side of the square around a corner that is measured, px.
 const HALF: i64 = 7;
 
-/// The width of the edges at the board's corners in px, in the direction in which the photo is most blurred; the median over
+/// Returns the width of the edges at the board's corners in px, in the direction in which the photo is most blurred; the median over
 /// the corners, `None` without any that lies far enough inside.
 ///
 /// An edge of contrast C and width w, crossing a square of side s, adds s·C²/w to the sum of squared gradients across it, so w follows

@@ -1,4 +1,4 @@
-//! What a rolling shutter did to the corners in a video: how long the sensor takes to read a frame is told by the video itself, in what a fit leaves unexplained.
+//! Rolling shutter: its effect on the corners in a video, and the time that the sensor takes to read a frame, estimated from the residuals of a fit.
 
 use std::collections::BTreeMap;
 
@@ -8,17 +8,17 @@ use super::BoardPhoto;
 use super::fit::{self, CameraFit, View};
 use super::model::ALL;
 
-/// How long the sensors of telephones and cameras take to read a frame of a video, s: 5 to 30 ms, and few say it. Taken as one standard deviation.
+/// Usual time in which the sensors of telephones and cameras read a frame of a video, s: 5 to 30 ms, and few say it.
 const READ_OUT_S: f64 = 0.02;
 
-/// How fast a corner moves in the image, px/s, by the photo's name and the corner's id.
+/// Speed of a corner in the image, px/s, by the photo's name and the corner's id.
 pub type Motion = BTreeMap<(String, usize), [f64; 2]>;
 
-/// No read-out is known better, s: a hand turns back between frames, which makes their motions seem slower and the read-out longer. In four rendered videos it was off by 0.7, 0.8, 1.3
-/// and 3.7 ms.
+/// Least standard deviation of a read-out, s: a hand turns back between frames, which makes their motions seem slower and the read-out longer. In
+/// four rendered videos it was off by 0.7, 0.8, 1.3 and 3.7 ms.
 const LEAST_SIGMA_S: f64 = 0.002;
 
-/// How long the sensor took to read a frame, s.
+/// Time that the sensor took to read a frame, s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ReadOut {
     pub seconds: f64,
@@ -26,8 +26,8 @@ pub(super) struct ReadOut {
 }
 
 impl ReadOut {
-    /// That by which a fit explains its photos best. What is usual, half of [`READ_OUT_S`] to one and a half of it, weighs as much as it is known; where nothing moves, it
-    /// is all that is known, and does nothing.
+    /// Estimates the read-out by which a fit explains its photos best. The usual one, half of [`READ_OUT_S`] to one and a half of it, weighs as much
+    /// as it is known; where nothing moves, it is all that is known, and does nothing.
     pub fn of(fit: &CameraFit, views: &[View], photos: &[BoardPhoto], motion: &Motion) -> ReadOut {
         let usual = ReadOut {
             seconds: READ_OUT_S,
@@ -55,7 +55,7 @@ impl ReadOut {
         }
     }
 
-    /// Photos with their corners where they were when the middle row was read.
+    /// Moves the corners of photos to where they were when the middle row was read.
     pub fn taken_back(self, mut photos: Vec<BoardPhoto>, motion: &Motion) -> Vec<BoardPhoto> {
         for photo in &mut photos {
             let moved = shifts(photo, motion, self.seconds);
@@ -66,8 +66,8 @@ impl ReadOut {
         photos
     }
 
-    /// A covariance of the camera's parameters with what the read-out's doubt changes, as one standard deviation. Whoever walks round goes one way, so that frames do not
-    /// cancel each other's part.
+    /// Adds to a covariance of the camera's parameters the change by one standard deviation of the read-out. Whoever walks round goes one way, so
+    /// that the changes in frames do not cancel each other.
     pub fn raised(
         self,
         covariance: DMatrix<f64>,
@@ -92,7 +92,7 @@ fn refitted(fit: &CameraFit, views: &[View]) -> Option<CameraFit> {
     fit::fit(fit.model, views, fit.camera, fit.poses.clone())
 }
 
-/// Views as they would be without a read-out of so many seconds.
+/// Returns views as they would be without a read-out of `seconds`.
 fn still(views: &[View], photos: &[BoardPhoto], motion: &Motion, seconds: f64) -> Vec<View> {
     let one = |(view, photo): (&View, &BoardPhoto)| {
         let corners = view.seen_px.iter().zip(shifts(photo, motion, seconds));
@@ -104,7 +104,7 @@ fn still(views: &[View], photos: &[BoardPhoto], motion: &Motion, seconds: f64) -
     views.iter().zip(photos).map(one).collect()
 }
 
-/// How far a read-out of so many seconds moves each corner of a photo, px.
+/// Returns the shift of each corner of a photo by a read-out of `seconds`, px.
 fn shifts(photo: &BoardPhoto, motion: &Motion, seconds: f64) -> Vec<[f64; 2]> {
     let shift = |corner: &super::SeenCorner| {
         let speed = motion.get(&(photo.file.clone(), corner.id)).unwrap_or(&[0.0; 2]);

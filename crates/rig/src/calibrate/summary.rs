@@ -1,4 +1,4 @@
-//! The calibration for programs, and in sentences: what was chosen and what was dropped.
+//! Calibration for programs, and in sentences: the chosen model and the dropped ones.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -45,7 +45,7 @@ pub struct CalibrationAnswer<'a> {
     lost_corners: usize,
     /// Corners in each of 10 × 10 cells of the image, row by row.
     coverage_10x10: &'a [u32],
-    /// What to know before using the camera, as sentences.
+    /// Cautions about the camera, as sentences.
     cautions: &'a [CalibrationCaution],
 }
 
@@ -53,14 +53,14 @@ pub struct CalibrationAnswer<'a> {
 #[derive(Serialize, JsonSchema)]
 struct CandidateAnswer<'a> {
     model: LensModel,
-    /// How many numbers are fitted.
+    /// Number of parameters that are fitted.
     parameters: usize,
     /// Held-out error of this model, root mean square: each corner is predicted without having been used.
     held_out_px: f64,
     /// Standard error of `held_out_px`.
     held_out_sigma_px: f64,
     is_chosen: bool,
-    /// How far the model would move the camera in these photos, at worst.
+    /// Move of the camera by the model in these photos, at worst.
     moves: &'a ModelDifference,
 }
 
@@ -68,7 +68,7 @@ struct CandidateAnswer<'a> {
 #[derive(Serialize, JsonSchema)]
 struct PhotoAnswer<'a> {
     file: &'a str,
-    /// How many corners of the board are used.
+    /// Number of corners of the board that are used.
     corners: usize,
     /// Reprojection error of this photo's corners, root mean square.
     rms_px: f64,
@@ -76,7 +76,7 @@ struct PhotoAnswer<'a> {
     tilt_deg: f64,
     /// Distance of the board's middle, or of the model's, from the camera.
     distance_mm: f64,
-    /// How wide the edges of the board are in the image; `null` where that could not be measured.
+    /// Width of the edges of the board in the image; `null` where it could not be measured.
     edge_width_px: Option<f64>,
 }
 
@@ -125,7 +125,7 @@ pub fn answer(found: &Calibration) -> CalibrationAnswer<'_> {
     }
 }
 
-/// The photos, the choice of the model and the camera's numbers as lines of text.
+/// Writes the photos, the choice of the model and the camera's numbers as lines of text.
 pub fn table(found: &Calibration) -> String {
     let mut text = format!(
         "{:<28} {:>7} {:>8} {:>11} {:>9}\n",
@@ -150,7 +150,7 @@ pub fn table(found: &Calibration) -> String {
     text
 }
 
-/// The chosen model and, for each other, what it would change.
+/// Returns lines on the chosen model and on the change by each other model.
 fn choice_lines(found: &Calibration) -> Vec<String> {
     let chosen = found.chosen_model();
     let best = found.models.iter().map(|r| r.held_out_px).fold(f64::INFINITY, f64::min);
@@ -178,7 +178,7 @@ fn choice_lines(found: &Calibration) -> Vec<String> {
 /// A number of the camera: its name, value, standard deviation (`None` where the model holds it) and unit.
 pub(super) type Number = (&'static str, f64, Option<f64>, &'static str);
 
-/// The camera's numbers; coefficients that the model does not have are left out.
+/// Returns the camera's numbers; coefficients that the model does not have are left out.
 pub(super) fn numbers(found: &Calibration) -> Vec<Number> {
     let coefficients = found.camera.distortion_model().names();
     let all = ["fx", "fy", "cx", "cy"]

@@ -1,4 +1,4 @@
-//! What is photographed for a calibration: a board, or the tags of a scene whose places are known.
+//! Target of a calibration: a board, or the tags of a scene whose places are known.
 
 use nalgebra::Point3;
 
@@ -8,18 +8,18 @@ use scaleproof_pose::board::Definition;
 use scaleproof_pose::scene::Scene;
 use scaleproof_pose::tags::SeenTag;
 
-/// What is photographed for a calibration.
+/// Target that is photographed for a calibration.
 #[derive(Debug, Clone, Copy)]
 pub enum Target<'a> {
     Board(&'a Definition),
     Scene(&'a Scene),
 }
 
-/// A frame of fewer tags says too little beside the six numbers of its pose.
+/// Least number of tags of a frame: fewer say too little beside the six numbers of its pose.
 pub(super) const LEAST_TAGS: usize = 3;
 
 impl Target<'_> {
-    /// Where the corners are, mm; a [`SeenCorner::id`] is the place in this list. Of a scene four a tag, in its order, in the model's frame.
+    /// Returns the corners, mm; a [`SeenCorner::id`] is the place in this list. Of a scene four a tag, in its order, in the model's frame.
     pub(super) fn corners_mm(&self) -> Vec<Point3<f64>> {
         match self {
             Target::Board(board) => {
@@ -30,7 +30,7 @@ impl Target<'_> {
         }
     }
 
-    /// The point whose distance is stated, mm: the board's middle, or what the scene's viewpoints are seen from.
+    /// Returns the point whose distance is stated, mm: the board's middle, or the target point of the scene's viewpoints.
     pub(super) fn middle_mm(&self) -> Point3<f64> {
         match self {
             Target::Board(board) => {
@@ -41,7 +41,7 @@ impl Target<'_> {
         }
     }
 
-    /// The models that are tried. A walk round a few tags leaves the corners of the image empty, and what rolling shutter does to it would
+    /// Returns the models that are tried. A walk round a few tags leaves the corners of the image empty, and the effect of a rolling shutter would
     /// pass for the larger ones.
     pub(super) fn models(&self) -> &'static [LensModel] {
         match self {
@@ -50,7 +50,7 @@ impl Target<'_> {
         }
     }
 
-    /// What no photo shows, where none shows it.
+    /// Returns the target in words, for a message that no photo shows it.
     pub(super) fn name(&self) -> &'static str {
         match self {
             Target::Board(_) => "the board",
@@ -58,7 +58,7 @@ impl Target<'_> {
         }
     }
 
-    /// What to do where the focal length is left open.
+    /// Returns advice for a focal length that is left open.
     pub(super) fn focal_advice(&self) -> &'static str {
         match self {
             Target::Board(_) => "tilt the board by 30° to 45° to several sides, and fill the photo with it",
@@ -68,7 +68,7 @@ impl Target<'_> {
         }
     }
 
-    /// What to ask where the corners do not fit.
+    /// Returns the question to ask where the corners do not fit.
     pub(super) fn misfit_question(&self) -> &'static str {
         match self {
             Target::Board(_) => "is this the board of the file, flat and stiff, and one camera at one zoom?",
@@ -79,7 +79,7 @@ impl Target<'_> {
     }
 }
 
-/// The corners of the whole tags that the scene has, each tag only where it is seen once.
+/// Returns the corners of the whole tags that the scene has, each tag only where it is seen once.
 pub(super) fn corners_of(seen: &[SeenTag], scene: &Scene) -> Vec<SeenCorner> {
     let key = |tag: &SeenTag| (tag.family, tag.id);
     let is_sure = |tag: &&SeenTag| tag.is_whole && seen.iter().filter(|other| key(other) == key(tag)).count() == 1;

@@ -1,4 +1,4 @@
-//! How far a projection may be off, cell by cell of the image.
+//! Uncertainty of a projection, cell by cell of the image.
 
 use nalgebra::{DMatrix, Matrix2, Matrix2x3, Matrix2xX, Point3};
 
@@ -22,11 +22,11 @@ pub struct MapCell {
 pub struct UncertaintyMap {
     pub columns: u32,
     pub rows: u32,
-    /// Row by row.
+    /// Cells, row by row.
     pub cells: Vec<MapCell>,
 }
 
-/// Standard deviation of where a far point is projected, given the covariance of the camera's parameters.
+/// Computes the standard deviation of the projection of a far point, given the covariance of the camera's parameters.
 ///
 /// A camera that is a little wrong and turned a little projects almost as before, and whoever finds a pose finds that turn as well.
 /// So the turn that best undoes a change over the whole image is taken out first, as in mrcal's "projection uncertainty"
@@ -57,7 +57,7 @@ pub(super) fn map(fit: &CameraFit, covariance: &DMatrix<f64>, (width, height): (
     }
 }
 
-/// Of one pixel: by the parameters of the model (2 × p) and by a turn of the camera (2 × 3).
+/// Derivatives of one pixel: by the parameters of the model (2 × p) and by a turn of the camera (2 × 3).
 struct Derivatives {
     by_camera: Matrix2xX<f64>,
     by_turn: Matrix2x3<f64>,
@@ -81,7 +81,7 @@ impl Derivatives {
     }
 }
 
-/// The turn (3 × p) that best undoes each parameter's change over the image.
+/// Returns the turn (3 × p) that best undoes each parameter's change over the image.
 fn implied_turn<'a>(all: impl Iterator<Item = &'a Derivatives>, parameters: usize) -> Option<DMatrix<f64>> {
     let (mut h, mut g) = (DMatrix::zeros(3, 3), DMatrix::zeros(3, parameters));
     for d in all {

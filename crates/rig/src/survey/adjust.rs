@@ -12,7 +12,7 @@ use scaleproof_core::geometry::rigid;
 use scaleproof_core::least_squares::{LeastSquares, Limits, minimise};
 use scaleproof_pose::scene::corners_in_tag_mm;
 
-/// What a corner's weighted squared distance costs.
+/// Cost of a corner's weighted squared distance.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Loss {
     Squared,
@@ -38,7 +38,7 @@ impl Loss {
     }
 }
 
-/// Which poses may change; only those that are known are adjusted.
+/// Poses that may change; only those that are known are adjusted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Free {
     /// Every photo and every tag that is not fixed.
@@ -46,13 +46,13 @@ pub(super) enum Free {
     Only(Node),
 }
 
-/// The total cost of the sightings whose two poses are known.
+/// Returns the total cost of the sightings whose two poses are known.
 pub(super) fn cost(net: &TagNetwork, poses: &Poses, loss: Loss) -> f64 {
     let cost = |s| Some(net.squared_px(s, poses)?.iter().map(|e| loss.cost(*e)).sum::<f64>());
     net.sightings.iter().filter_map(cost).sum()
 }
 
-/// Moves the free poses downhill until nothing is gained any more, and returns the cost.
+/// Minimises the cost over the free poses, and returns it.
 pub(super) fn adjust(net: &TagNetwork, poses: &mut Poses, free: Free, loss: Loss, most_steps: usize) -> f64 {
     let limits = Limits {
         first_damping: 1e-3,
@@ -66,13 +66,13 @@ pub(super) fn adjust(net: &TagNetwork, poses: &mut Poses, free: Free, loss: Loss
     found.cost
 }
 
-/// The cost after one step of the adjustment of all poses: nearly the least, where they are nearly the best.
+/// Returns the cost after one step of the adjustment of all poses: nearly the least, where they are nearly the best.
 pub(super) fn cost_after_step(net: &TagNetwork, poses: &Poses, loss: Loss) -> f64 {
     let stepped = NetworkEquations::at(net, Free::All, loss, poses.clone()).stepped(1e-6);
     stepped.map_or(f64::INFINITY, |stepped| stepped.cost)
 }
 
-/// The covariance of each free tag for corners of σ = 1 px per coordinate: translation (mm) and rotation (rad) in the tag's own
+/// Computes the covariance of each free tag for corners of σ = 1 px per coordinate: translation (mm) and rotation (rad) in the tag's own
 /// frame, relative to the fixed tags. `None` when the photos leave something undetermined.
 pub(super) fn covariances(net: &TagNetwork, poses: &Poses) -> Option<Vec<Option<Matrix6<f64>>>> {
     let normal = NetworkEquations::at(net, Free::All, Loss::Squared, poses.clone());
@@ -81,15 +81,15 @@ pub(super) fn covariances(net: &TagNetwork, poses: &Poses) -> Option<Vec<Option<
     Some(normal.slots.tags.iter().map(block).collect())
 }
 
-/// The normal equations of the lens, the poses eliminated: what is left is least where `curvature · step = −gradient`.
+/// Normal equations of the lens, the poses eliminated: the cost is least where `curvature · step = −gradient`.
 pub(super) struct LensEquations {
     pub curvature: SMatrix<f64, LENS, LENS>,
     pub gradient: LensNumbers,
-    /// How each free tag follows the lens: translation (mm) and rotation (rad) in its own frame by each number.
+    /// Derivative of each free tag by the lens: translation (mm) and rotation (rad) in its own frame by each number.
     pub by_tag: Vec<Option<SMatrix<f64, 6, LENS>>>,
 }
 
-/// The lens's equations at adjusted poses; `None` when the photos leave something undetermined.
+/// Computes the lens's equations at adjusted poses; `None` when the photos leave something undetermined.
 pub(super) fn lens_equations(net: &TagNetwork, poses: &Poses, loss: Loss) -> Option<LensEquations> {
     let normal = NetworkEquations::at(net, Free::All, loss, poses.clone());
     let mut cross = Blocks {
@@ -125,7 +125,7 @@ pub(super) fn lens_equations(net: &TagNetwork, poses: &Poses, loss: Loss) -> Opt
     })
 }
 
-/// How many numbers are adjusted when all is free.
+/// Returns the number of parameters that are adjusted when all is free.
 pub(super) fn unknowns(net: &TagNetwork, poses: &Poses) -> usize {
     let slots = Slots::new(net, poses, Free::All);
     6 * (slots.tags.iter().chain(&slots.photos).flatten().count())
@@ -204,7 +204,7 @@ impl<'a> NetworkEquations<'a> {
         normal
     }
 
-    /// Each corner that has a pixel: its sighting, its place in the camera frame (mm), its weight and how it changes with the poses.
+    /// Returns each corner that has a pixel: its sighting, its place in the camera frame (mm), its weight and its derivatives by the poses.
     fn corners(&self) -> impl Iterator<Item = (&Sighting, Point3<f64>, f64, LinearisedCorner)> {
         let seen = |s: &'a Sighting| Some((s, self.poses.camera_tag(s)?));
         let corners = self.net.sightings.iter().filter_map(seen).flat_map(|(s, camera_tag)| {
@@ -251,7 +251,7 @@ impl<'a> NetworkEquations<'a> {
         }
     }
 
-    /// The tags' own system once the photos are eliminated; `None` when a photo's pose is open.
+    /// Returns the tags' own system once the photos are eliminated; `None` when a photo's pose is open.
     fn reduced(&self, damping: f64) -> Option<Reduced> {
         let damped = |m: &Matrix6<f64>| m + Matrix6::from_diagonal(&(m.diagonal() * damping));
         let n = 6 * self.tags.len();
@@ -274,7 +274,7 @@ impl<'a> NetworkEquations<'a> {
         Some((matrix, inverses))
     }
 
-    /// The solution of `H x = right`, in the same blocks.
+    /// Solves `H x = right`, in the same blocks.
     fn solved<const K: usize>(&self, damping: f64, right: &Blocks<K>) -> Option<Blocks<K>> {
         let (matrix, inverses) = self.reduced(damping)?;
         let mut tags = DMatrix::zeros(6 * self.tags.len(), K);

@@ -1,4 +1,4 @@
-//! The detector's own error that all tags share: their edges found a little too far in or out.
+//! Error of the detector that all tags share: their edges found a little too far in or out.
 //!
 //! Light from the white ring spills over the black border (blur, gamma), so that every tag looks a little smaller, or larger. As a
 //! share of the tag it is an error of scale: on the skyline photos 1 % of every distance when only one tag is fixed, far beyond the
@@ -10,31 +10,31 @@ use super::adjust::{Free, Loss, adjust};
 use super::network::{Poses, TagNetwork};
 use scaleproof_core::geometry::{Rigid, rigid};
 
-/// What is expected of a detector before anything is measured: σ in px.
+/// Expected shift of a detector's edges before anything is measured: σ in px.
 const EXPECTED_PX: f64 = 0.3;
 
-/// What one shift for all tags leaves, since it differs with light, blur and tilt: σ in px. Measured on the skyline photos:
+/// Remaining error after one shift for all tags, since it differs with light, blur and tilt: σ in px. Measured on the skyline photos:
 /// 0.27 px when eight fixed tags tell it, 0.18 px when near against far tags must.
 pub(super) const LEFT_PX: f64 = 0.1;
 
-/// The step of the differences, px.
+/// Step of the numerical derivatives, px.
 const STEP_PX: f64 = 0.05;
 
-/// What the fit knows about the shared shift once it is taken out.
+/// Shared shift and its uncertainty, once it is taken out.
 pub(super) struct SharedShift {
-    /// How far the edges were moved out, px.
+    /// Distance by which the edges were moved out, px.
     pub moved_px: f64,
     /// Its variance for corners of σ = 1 px.
     pub variance: f64,
-    /// How each tag's pose changes by 1 px of it: translation (mm) and rotation (rad) in the tag's own frame.
+    /// Derivative of each tag's pose by the shift, per px: translation (mm) and rotation (rad) in the tag's own frame.
     pub by_tag: Vec<Option<Vector6<f64>>>,
 }
 
-/// Moves all edges to where the adjustment leaves least (a parabola through three adjustments, three times), corrects the
-/// sightings, and adjusts the poses. `moved_px`: what was already taken out; `noise_px`: σ of a corner coordinate.
+/// Moves all edges to where the adjustment has the least cost (a parabola through three adjustments, three times), corrects the sightings, and
+/// adjusts the poses. `moved_px`: what was already taken out; `noise_px`: σ of a corner coordinate.
 pub(super) fn fit(net: &mut TagNetwork, poses: &mut Poses, loss: Loss, moved_px: f64, noise_px: f64) -> SharedShift {
     let mut moved_px = moved_px;
-    // The expectation, in the unit of the cost.
+    // Weight of the expectation, in the unit of the cost.
     let stiffness = 2.0 * (noise_px / EXPECTED_PX).powi(2);
     let (mut curvature, mut by_tag) = (0.0, Vec::new());
     for _ in 0..3 {
@@ -79,7 +79,7 @@ fn shifted(net: &TagNetwork, px: f64) -> TagNetwork {
     moved
 }
 
-/// A quadrilateral whose sides are all moved out by so many pixels.
+/// Returns a quadrilateral whose sides are all moved out by `px` pixels.
 pub fn outwards(c: &[[f64; 2]; 4], px: f64) -> [[f64; 2]; 4] {
     let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
     let side = |i: usize| {
@@ -92,7 +92,7 @@ pub fn outwards(c: &[[f64; 2]; 4], px: f64) -> [[f64; 2]; 4] {
     let turn = (0..4).map(|i| cross(c[i], c[(i + 1) % 4])).sum::<f64>().signum();
     std::array::from_fn(|i| {
         let (before, after) = (side(i + 3), side(i));
-        // Where the two moved lines meet: out along each side by `px / sin` of the angle between them.
+        // The two moved lines meet out along each side by `px / sin` of the angle between them.
         let reach = turn * px / cross(before, after);
         let moved = |k: usize| c[i][k] + reach * (before[k] - after[k]);
         [moved(0), moved(1)]

@@ -1,20 +1,20 @@
-//! First poses for the adjustment: from one photo of a fixed tag, photo by photo, every planar branch a candidate.
+//! First poses for the adjustment, grown from one photo of a fixed tag, photo by photo, every planar branch a candidate.
 
 use super::adjust::{Free, Loss, adjust, cost};
 use super::network::{Node, Poses, Sighting, TagNetwork};
 use scaleproof_core::geometry::Rigid;
 use scaleproof_pose::locate::area_px;
 
-/// The loss's scale while poses are still rough.
+/// Scale of the loss while poses are still rough.
 const ROUGH_DEG: f64 = 0.1;
 
-/// A pose turned by more than this is another pose.
+/// Rotation above which a pose is another pose.
 const SAME_TURN_DEG: f64 = 3.0;
 
-/// Photos of fixed tags that are tried as the first one; two poses of each.
+/// Number of photos of fixed tags that are tried as the first one; two poses of each.
 const FIRST_PHOTOS: usize = 4;
 
-/// A whole arrangement that explains the photos must leave this many times less than a different one.
+/// Least ratio of the cost of a different arrangement to that of the best.
 const MIN_RIVAL_COST: f64 = 4.0;
 
 pub(super) fn rough(net: &TagNetwork) -> Loss {
@@ -27,12 +27,12 @@ pub(super) fn is_different(a: &Rigid, b: &Rigid) -> bool {
     a.rotation.angle_to(&b.rotation).to_degrees() > SAME_TURN_DEG
 }
 
-/// Every start is grown to the end, and the arrangement that leaves least is taken; a photo pose in it that is different in
-/// another arrangement that leaves almost as little makes all of them uncertain: `None`.
+/// Grows every start to the end, and returns the arrangement with the least cost; `None` where another arrangement, of different photo poses, has
+/// almost as little, so that all are uncertain.
 pub(super) fn grown(net: &TagNetwork) -> Option<Poses> {
     let starts = starts(net).into_iter();
     let mut found: Vec<(f64, Poses)> = starts.map(|(photo, pose)| grow(net, photo, pose)).collect();
-    // A start that reaches fewer poses has left less only because it explains less.
+    // A start that reaches fewer poses has a lower cost only because it explains less.
     let reached = |p: &Poses| p.tags.iter().chain(&p.photos).flatten().count();
     found.sort_by(|(cost_a, a), (cost_b, b)| reached(b).cmp(&reached(a)).then(cost_a.total_cmp(cost_b)));
     let (least, best) = found.first()?;
@@ -48,7 +48,7 @@ pub(super) fn grown(net: &TagNetwork) -> Option<Poses> {
     (rival >= MIN_RIVAL_COST * least.max(floor)).then(|| best.clone())
 }
 
-/// Photos of the most and largest fixed tags, each with its best pose and the best different one.
+/// Returns the photos of the most and largest fixed tags, each with its best pose and the best different one.
 fn starts(net: &TagNetwork) -> Vec<(usize, Rigid)> {
     let fixed = net.with(|s| net.is_fixed(s.tag));
     let mut photos: Vec<usize> = (0..net.photos).filter(|p| fixed.is_seen(Node::Photo(*p))).collect();
@@ -73,7 +73,7 @@ fn starts(net: &TagNetwork) -> Vec<(usize, Rigid)> {
     starts
 }
 
-/// Nothing is known but the fixed tags.
+/// Returns the poses of the fixed tags; no other is known.
 fn known(net: &TagNetwork) -> Poses {
     Poses {
         tags: net.tags.iter().map(|t| t.fixed).collect(),
@@ -92,7 +92,7 @@ fn grow(net: &TagNetwork, photo: usize, pose: Rigid) -> (f64, Poses) {
             adjust_at = placed + 1 + placed / 4; // each adjustment is dearer, so they grow rarer
         }
     }
-    // What one adjustment puts right may show another tag or photo the way out of its wrong branch.
+    // An adjustment may show another tag or photo the way out of its wrong branch.
     let mut left = f64::INFINITY;
     for _ in 0..10 {
         let now = settle(net, &mut poses, 50);
@@ -105,9 +105,9 @@ fn grow(net: &TagNetwork, photo: usize, pose: Rigid) -> (f64, Poses) {
     (cost(net, &poses, rough(net)), poses)
 }
 
-/// Closes loops. What grew photo by photo along a chain of tags has drifted where its ends meet, and a robust loss blames the last sighting for all of
-/// it. Least squares spreads it over the chain; the loss then narrows again (graduated non-convexity: Blake & Zisserman 1987), so that what is
-/// truly off stays off. Kept when it leaves less.
+/// Closes loops. Poses that grew photo by photo along a chain of tags have drifted where its ends meet, and a robust loss attributes all of it to the
+/// last sighting. Least squares spreads it over the chain; the loss then narrows again (graduated non-convexity: Blake & Zisserman 1987), so that
+/// outliers stay outliers. The result is kept when its cost is lower.
 pub(super) fn close(net: &TagNetwork, poses: &mut Poses) {
     let Loss::Cauchy { scale_px } = rough(net) else { return };
     let mut closed = poses.clone();
@@ -126,7 +126,7 @@ pub(super) fn close(net: &TagNetwork, poses: &mut Poses) {
     }
 }
 
-/// Lets every tag and photo take a better candidate, then adjusts all.
+/// Lets every tag and photo take a better candidate, then adjusts all; returns the cost.
 fn settle(net: &TagNetwork, poses: &mut Poses, steps: usize) -> f64 {
     for node in net.free() {
         if poses.pose_mut(node).is_some() {
@@ -136,7 +136,7 @@ fn settle(net: &TagNetwork, poses: &mut Poses, steps: usize) -> f64 {
     adjust(net, poses, Free::All, rough(net), steps)
 }
 
-/// Places each tag that a placed photo shows; true when there was one.
+/// Places each tag that a placed photo shows; returns true if there was one.
 fn place_tags(net: &TagNetwork, poses: &mut Poses) -> bool {
     let mut any = false;
     for tag in 0..net.tags.len() {
@@ -148,7 +148,7 @@ fn place_tags(net: &TagNetwork, poses: &mut Poses) -> bool {
     any
 }
 
-/// Places the photo that shows the most placed tags; true when there was one.
+/// Places the photo that shows the most placed tags; returns true if there was one.
 fn place_photo(net: &TagNetwork, poses: &mut Poses) -> bool {
     let shows = |p: &usize| {
         net.sightings_of(Node::Photo(*p))
@@ -166,14 +166,14 @@ fn place_photo(net: &TagNetwork, poses: &mut Poses) -> bool {
     poses.photos[photo].is_some()
 }
 
-/// The candidate pose of a photo or a tag, or the one it has, that leaves least in the sightings whose other end is placed.
+/// Returns the candidate pose of a photo or a tag, or the one it has, with the least cost in the sightings whose other end is placed.
 fn best(net: &TagNetwork, poses: &mut Poses, node: Node) -> Option<Rigid> {
     let candidates = candidates(net, poses, node).into_iter().chain(*poses.pose_mut(node));
     let cost = |pose: &Rigid| node_cost(net, poses, node, pose);
     candidates.min_by(|a, b| cost(a).total_cmp(&cost(b)))
 }
 
-/// The poses of a photo (`T_camera_model`) or a tag (`T_model_tag`) by each branch of each sighting whose other end is placed.
+/// Returns the poses of a photo (`T_camera_model`) or a tag (`T_model_tag`) by each branch of each sighting whose other end is placed.
 pub(super) fn candidates(net: &TagNetwork, poses: &Poses, node: Node) -> Vec<Rigid> {
     let by = |s: &Sighting| -> Option<Vec<Rigid>> {
         let branches = s.branches.iter();
@@ -191,7 +191,7 @@ pub(super) fn candidates(net: &TagNetwork, poses: &Poses, node: Node) -> Vec<Rig
     net.sightings_of(node).filter_map(by).flatten().collect()
 }
 
-/// What a pose of a photo or a tag leaves in the sightings whose other end is placed.
+/// Returns the cost of a pose of a photo or a tag in the sightings whose other end is placed.
 fn node_cost(net: &TagNetwork, poses: &Poses, node: Node, pose: &Rigid) -> f64 {
     let loss = rough(net);
     let cost = |s: &Sighting| {

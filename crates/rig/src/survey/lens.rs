@@ -1,8 +1,8 @@
-//! The lens that the photos fit, where the camera file's does not.
+//! Correction of the lens by the photos, where the camera file's does not fit.
 //!
-//! Tags that one photo shows at its two sides are tied by the lens's distortion there, where a calibration has seen the board least. What is wrong about
-//! it turns each link of a chain of tags the same way, and the chain opens. Many photos of the same tags tell the lens (self-calibration: Triggs et al.
-//! 2000, "Bundle Adjustment - A Modern Synthesis", section 2); it is only taken where that explains much more than noise.
+//! Tags that one photo shows at its two sides are tied by the lens's distortion there, where a calibration has seen the board least. An error of the
+//! lens turns each link of a chain of tags the same way, and the chain opens. Many photos of the same tags determine the lens (self-calibration:
+//! Triggs et al. 2000, "Bundle Adjustment - A Modern Synthesis", section 2); it is only taken where that explains much more than noise.
 
 use nalgebra::SMatrix;
 
@@ -12,18 +12,18 @@ use super::network::{Poses, TINY, TagNetwork};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::expected_px2;
 
-/// How far a calibration may be off, σ of each number. Autofocus moves the focal length by about so much from photo to photo; the coefficients are those of
-/// a lens that moves its image by 1 % at the middle of a side.
+/// Expected errors of a calibration, σ of each number. Autofocus moves the focal length by about so much from photo to photo; the coefficients are
+/// those of a lens that moves its image by 1 % at the middle of a side.
 const EXPECTED: [f64; LENS] = [0.01, 0.05, 0.2];
 
-/// A lens is taken when it leaves less by the square of so many σ of a corner coordinate, the expected one ([`expected_px2`]) where the photos are better:
-/// what is left of renders is no noise, and any further number explains some of it.
+/// Number of σ of a corner coordinate by whose square the cost must fall for a lens to be taken; the expected σ ([`expected_px2`]) where the photos
+/// are better: residuals of renders are no noise, and any further number explains some of them.
 const LENS_SIGMAS: f64 = 8.0;
 
 pub(super) struct FittedLens {
     /// The covariance of its numbers for corners of σ = 1 px.
     pub covariance: SMatrix<f64, LENS, LENS>,
-    /// See [`LensEquations`].
+    /// Derivatives of the tags, as in [`LensEquations`].
     pub by_tag: Vec<Option<SMatrix<f64, 6, LENS>>>,
 }
 

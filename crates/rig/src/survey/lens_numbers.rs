@@ -1,20 +1,20 @@
-//! The numbers of a lens that photos of tags may correct.
+//! Parameters of a lens that photos of tags may correct.
 
 use nalgebra::{Point3, SMatrix, SVector};
 
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::camera::projection::{PARAMETERS, project_unchecked};
 
-/// How many numbers: focal length (share of it), and the first two coefficients of the distortion. A moved principal point is nearly a turned camera.
+/// Number of these: focal length (share of it), and the first two coefficients of the distortion. A moved principal point is nearly a turned camera.
 pub(super) const LENS: usize = 3;
 pub(super) type LensNumbers = SVector<f64, LENS>;
 
-/// By the lens's numbers, the pixel of a point of the camera frame.
+/// Computes the derivatives of the pixel of a point of the camera frame by the lens's numbers.
 pub(super) fn derivatives(camera: &Camera, point: &Point3<f64>) -> SMatrix<f64, 2, LENS> {
     project_unchecked(&camera.parameters(), point).by_camera * numbers(camera)
 }
 
-/// The camera's own numbers by those of the lens.
+/// Returns the derivatives of the camera's own numbers by those of the lens.
 fn numbers(camera: &Camera) -> SMatrix<f64, PARAMETERS, LENS> {
     let mut numbers = SMatrix::zeros();
     (numbers[(0, 0)], numbers[(1, 0)]) = (camera.fx, camera.fy);

@@ -24,9 +24,9 @@ pub enum SurveyPhotoError {
 
 #[derive(Debug)]
 pub struct SurveyPhotos {
-    /// In the order of the photos.
+    /// Tags of each photo, in the order of the photos.
     pub photos: Vec<PhotoTags>,
-    /// What to know before believing a survey from these photos, as sentences.
+    /// Cautions about a survey from these photos, as sentences.
     pub cautions: Vec<String>,
 }
 
@@ -71,7 +71,7 @@ pub fn look(
     })
 }
 
-/// A photo's hash and tags, and the camera that fits it.
+/// Returns a photo's hash and tags, and the camera that fits it.
 fn look_at(
     path: &Path,
     camera: &Camera,

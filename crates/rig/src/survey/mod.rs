@@ -1,4 +1,4 @@
-//! Survey: where tags stand that were placed by hand, from photos and the tags' sizes alone.
+//! Survey of tags that were placed by hand: their poses, from photos and the tags' sizes alone.
 //!
 //! Some tags are *fixed*: their poses in the model frame are given (a printed ground mat, or one origin tag). All other tags and
 //! all photos are adjusted together (bundle adjustment) around them.
@@ -31,17 +31,18 @@ pub use look::{SurveyPhotos, look};
 pub use problem::{LeftOutReason, SurveyError};
 pub use sizes::Sizes;
 
-/// A noise above this angle is no noise: the wrong camera, or wrong sizes.
+/// Largest angle of noise: more comes from the wrong camera, or wrong sizes.
 const MAX_NOISE_DEG: f64 = 0.1;
 
-/// A tag or photo may be in another pose when that leaves less than the square of this more, in squared σ of a corner coordinate.
+/// Number of σ of a corner coordinate by whose square the cost must rise to exclude another pose of a tag or photo.
 const MIN_RIVAL_SIGMAS: f64 = 6.0;
 
-/// Noise below this is luck when two poses are compared, px.
+/// Least noise when two poses are compared, px: less is luck.
 const NOISE_FLOOR_PX: f64 = 0.1;
 
-/// How many residuals the expected noise ([`expected_px2`]) weighs for each tag: as many as a sighting has, since how its paper bends is one draw, however
-/// many photos show it. In a room of real paper (`swatbotics`) the residuals are 0.8 times what is expected, yet a chain of tags is off by as much as expected.
+/// Number of residuals that the expected noise ([`expected_px2`]) weighs for each tag: as many as a sighting has, since the bend of its paper is one
+/// draw, however many photos show it. In a room of real paper (`swatbotics`) the residuals are 0.8 times what is expected, yet a chain of tags is off
+/// by as much as expected.
 const NOISE_WEIGHT: f64 = 8.0;
 
 #[derive(Debug, Clone)]
@@ -50,13 +51,13 @@ pub struct PhotoTags {
     pub seen: Vec<SeenTag>,
 }
 
-/// What is known before the survey.
+/// Input of a survey.
 #[derive(Debug, Clone, Copy)]
 pub struct SurveyInput<'a> {
     /// Model, bins, and the fixed tags' poses; other tags only lend their sizes.
     pub scene: &'a Scene,
     pub fixed: &'a [(TagFamily, u32)],
-    /// Sizes of `family`; they go before those of the scene.
+    /// Sizes of the tags of `family`; they go before those of the scene.
     pub sizes: Option<&'a Sizes>,
     pub family: TagFamily,
 }
@@ -67,13 +68,13 @@ pub struct Survey {
     pub scene: Scene,
     pub tags: Vec<TagReport>,
     pub left_out: Vec<LeftOutTag>,
-    /// In the order given.
+    /// Reports on the photos, in the order given.
     pub photos: Vec<PhotoReport>,
-    /// σ of a corner coordinate, px: what the residuals say.
+    /// σ of a corner coordinate by the residuals, px.
     pub noise_px: f64,
-    /// How far all tag edges were found too far in, px; taken out of the result.
+    /// Distance by which all tag edges were found too far in, px; taken out of the result.
     pub edge_shift_px: f64,
-    /// How far the lens that the photos fit moves a tag's corner at most from where the given camera has it, px; `None` where the given one fits.
+    /// Largest move of a tag's corner by the lens that the photos fit, against the given camera, px; `None` where the given one fits.
     pub lens_px: Option<f64>,
 }
 
@@ -97,7 +98,7 @@ pub struct TagReport {
     /// From the pose in the given scene, when it has one; so is the next.
     pub shift_mm: Option<f64>,
     pub shift_deg: Option<f64>,
-    /// What weakens it: `one_photo`, a single photo shows it.
+    /// Cautions about it: `one_photo`, a single photo shows it.
     pub cautions: Vec<&'static str>,
 }
 
@@ -109,7 +110,7 @@ pub struct LeftOutTag {
     pub reason: LeftOutReason,
 }
 
-/// What one photo contributed to a survey.
+/// Contribution of one photo to a survey.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct PhotoReport {
     #[serde(rename = "file")]
@@ -146,7 +147,7 @@ pub fn survey(photos: &[PhotoTags], given: &SurveyInput, camera: &Camera) -> Res
     finished((net, camera), poses, shared.moved_px, photos, given, left_out)
 }
 
-/// The usable sightings: whole tags of known size that are seen once in the photo.
+/// Returns the usable sightings, whole tags of known size that are seen once in the photo, and the tags without one.
 fn network(
     photos: &[PhotoTags],
     given: &SurveyInput,
@@ -195,7 +196,7 @@ fn network(
     Ok((net, left_out))
 }
 
-/// Both planar branches, `T_camera_tag`, the better first; none when there is no pose before the camera.
+/// Returns both planar branches, `T_camera_tag`, the better first; none when there is no pose before the camera.
 fn branches(size_mm: f64, corners_px: &[[f64; 2]; 4], camera: &Camera) -> Vec<Rigid> {
     let mut found = planar_branches(&corners_in_tag_mm(size_mm), corners_px, camera);
     let rms = |pose: &Rigid| residual::rms_px(residual::squared_px(pose, size_mm, corners_px, camera));
@@ -210,7 +211,7 @@ fn is_usable(s: &SeenTag, seen: &[SeenTag]) -> bool {
     s.is_whole && times == 1 && s.corners_px.iter().flatten().all(|v| v.is_finite())
 }
 
-/// The size of a tag, and its pose when it is fixed.
+/// Returns the size of a tag, and its pose when it is fixed; `None` where no size is known.
 fn sized(key: TagKey, given: &SurveyInput) -> Result<Option<SizedTag>, SurveyError> {
     let (family, id) = key;
     let sizes = given.sizes.filter(|_| family == given.family);
@@ -309,15 +310,15 @@ fn readjust(net: &TagNetwork, poses: &mut Poses) {
     grow::close(net, poses);
 }
 
-/// A pose that no sighting supports any more is no pose.
+/// Removes poses that no sighting supports any more.
 fn forget_unseen(net: &TagNetwork, poses: &mut Poses) {
     for node in net.free().filter(|node| !net.is_seen(*node)) {
         *poses.pose_mut(node) = None;
     }
 }
 
-/// Leaves out photos and tags that could be in another pose. A tag that a single photo shows stays when that photo excludes its rival;
-/// that it has not moved, and has its stated size, nothing checks.
+/// Leaves out photos and tags that could be in another pose. A tag that a single photo shows stays when that photo excludes its rival; nothing checks
+/// that it has not moved, and has its stated size.
 fn without_doubtful(
     mut net: TagNetwork,
     poses: &mut Poses,
@@ -327,7 +328,7 @@ fn without_doubtful(
     adjust(&net, poses, Free::All, Loss::Squared, 50);
     let noise_px = suspects::noise_px(&net, poses).max(NOISE_FLOOR_PX);
     loop {
-        // A photo is only as sure as the tags that other photos, or the scene, vouch for.
+        // A photo is only as certain as the tags that other photos, or the scene, confirm.
         let vouched = net.with(|s| net.is_fixed(s.tag) || net.sightings_of(Node::Tag(s.tag)).count() > 1);
         let is_doubtful = |photo: &Node| net.is_seen(*photo) && has_rival(&vouched, poses, *photo, noise_px);
         let doubtful = if let Some(photo) = (0..net.photos).map(Node::Photo).find(is_doubtful) {
@@ -355,7 +356,7 @@ fn without_doubtful(
         forget_unseen(&net, poses);
         adjust(&net, poses, Free::All, Loss::Squared, 50);
     }
-    // What was only seen in photos that are left out.
+    // Tags that were only seen in photos that are left out.
     for (t, tag) in net.tags.iter().enumerate() {
         let known = left_out.iter().any(|l| (l.family, l.id) == tag.key);
         if tag.fixed.is_none() && !known && !net.is_seen(Node::Tag(t)) {
@@ -365,7 +366,7 @@ fn without_doubtful(
     net
 }
 
-/// True when a different pose of a photo or a tag leaves hardly more; also when no sighting vouches for it.
+/// Returns true if a different pose of a photo or a tag has hardly more cost, or no sighting confirms it.
 fn has_rival(net: &TagNetwork, poses: &Poses, node: Node, noise_px: f64) -> bool {
     let own = net.with(|s| s.is_of(node));
     if own.sightings.is_empty() {
@@ -385,7 +386,7 @@ fn has_rival(net: &TagNetwork, poses: &Poses, node: Node, noise_px: f64) -> bool
     })
 }
 
-/// The least-squares result with its σ.
+/// Returns the least-squares result with its σ.
 fn finished(
     (mut net, given_camera): (TagNetwork, &Camera),
     mut poses: Poses,
@@ -407,7 +408,7 @@ fn finished(
     let spare = spare as f64;
     let weight = NOISE_WEIGHT * (0..net.tags.len()).filter(|t| net.is_seen(Node::Tag(*t))).count() as f64;
     let noise_px = ((weight * expected_px2(&TINY) + left) / (weight + spare)).sqrt();
-    // Whatever the steps before have missed ends here, not in the file.
+    // Faults that the steps before have missed end here, not in the file.
     let limit = suspects::Limit::new(net, &poses);
     for s in &net.sightings {
         let (rms_px, limit_px) = (suspects::rms(s, net, &poses).unwrap_or(0.0), 2.0 * limit.px(s));
@@ -489,7 +490,7 @@ fn finished(
     })
 }
 
-/// The largest distance between the corners' pixels by the fitted camera and by the given one, px.
+/// Returns the largest distance between the corners' pixels by the fitted camera and by the given one, px.
 fn lens_px(net: &TagNetwork, poses: &Poses, given: &Camera) -> f64 {
     let moved = |s: &Sighting| {
         let camera_tag = poses.camera_tag(s)?;
@@ -523,7 +524,7 @@ fn photo_report(net: &TagNetwork, poses: &Poses, photo: usize, tags: &PhotoTags)
     }
 }
 
-/// How far two poses are apart, mm and degrees.
+/// Returns the distance between two poses, mm and degrees.
 pub fn shift(a: &Rigid, b: &Rigid) -> (f64, f64) {
     let mm = (a.translation.vector - b.translation.vector).norm();
     (mm, a.rotation.angle_to(&b.rotation).to_degrees())

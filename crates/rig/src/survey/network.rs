@@ -1,4 +1,4 @@
-//! Which tag was seen in which photo: the network that is adjusted, and the parts it falls into.
+//! Network of tags and the photos that show them, which is adjusted, and the parts it falls into.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use scaleproof_core::geometry::{Rigid, UnionFind};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::TagFamily;
 
-/// A tag's name: ids are only unique within a family.
+/// Key of a tag: ids are only unique within a family.
 pub(super) type TagKey = (TagFamily, u32);
 
 /// The corners of a tag too small to bend, for [`scaleproof_pose::locate::expected_px2`].
@@ -36,7 +36,7 @@ pub(super) struct Sighting {
 }
 
 impl Sighting {
-    /// Whether it is of a photo or a tag.
+    /// Returns true if it is of this photo or tag.
     pub(super) fn is_of(&self, node: Node) -> bool {
         match node {
             Node::Photo(photo) => self.photo == photo,
@@ -54,7 +54,7 @@ pub(super) struct TagNetwork {
     pub sightings: Vec<Sighting>,
 }
 
-/// A photo or a tag: what has a pose.
+/// A photo or a tag: each has a pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Node {
     Photo(usize),
@@ -69,12 +69,12 @@ pub(super) struct Poses {
 }
 
 impl Poses {
-    /// `T_camera_tag` of a sighting, when both ends are known.
+    /// Returns `T_camera_tag` of a sighting, when both ends are known.
     pub(super) fn camera_tag(&self, s: &Sighting) -> Option<Rigid> {
         Some(self.photos[s.photo]? * self.tags[s.tag]?)
     }
 
-    /// The pose of a photo or a tag.
+    /// Returns the pose of a photo or a tag.
     pub(super) fn pose_mut(&mut self, node: Node) -> &mut Option<Rigid> {
         match node {
             Node::Photo(photo) => &mut self.photos[photo],
@@ -84,12 +84,12 @@ impl Poses {
 }
 
 impl TagNetwork {
-    /// The sightings of a photo or a tag.
+    /// Returns the sightings of a photo or a tag.
     pub(super) fn sightings_of(&self, node: Node) -> impl Iterator<Item = &Sighting> {
         self.sightings.iter().filter(move |s| s.is_of(node))
     }
 
-    /// Whether anything is seen of a photo or a tag.
+    /// Returns true if a photo or a tag has a sighting.
     pub(super) fn is_seen(&self, node: Node) -> bool {
         self.sightings_of(node).next().is_some()
     }
@@ -98,24 +98,24 @@ impl TagNetwork {
         self.tags[tag].fixed.is_some()
     }
 
-    /// The tags that are not fixed, then the photos.
+    /// Returns the tags that are not fixed, then the photos.
     pub(super) fn free(&self) -> impl Iterator<Item = Node> {
         let tags = (0..self.tags.len()).filter(move |t| !self.is_fixed(*t));
         tags.map(Node::Tag).chain((0..self.photos).map(Node::Photo))
     }
 
-    /// Weighted squared distance in px² of each corner of a sighting from where the poses put it; `None` when a pose is unknown.
+    /// Returns the weighted squared distance in px² of each corner of a sighting from where the poses put it; `None` when a pose is unknown.
     pub(super) fn squared_px(&self, s: &Sighting, poses: &Poses) -> Option<[f64; 4]> {
         Some(self.squared_px_under(&poses.camera_tag(s)?, s))
     }
 
-    /// Weighted squared distance in px² of each corner of a sighting from where a pose `T_camera_tag` puts it.
+    /// Returns the weighted squared distance in px² of each corner of a sighting from where a pose `T_camera_tag` puts it.
     pub(super) fn squared_px_under(&self, camera_tag: &Rigid, s: &Sighting) -> [f64; 4] {
         let squared = squared_px(camera_tag, self.tags[s.tag].size_mm, &s.corners_px, &self.camera);
         squared.map(|e| s.weight * e)
     }
 
-    /// The network with only the sightings that `keep` accepts; all tags and photos stay.
+    /// Returns the network with only the sightings that `keep` accepts; all tags and photos stay.
     pub(super) fn with(&self, keep: impl Fn(&Sighting) -> bool) -> Self {
         TagNetwork {
             sightings: self.sightings.iter().filter(|s| keep(s)).cloned().collect(),
@@ -123,7 +123,7 @@ impl TagNetwork {
         }
     }
 
-    /// The seen tags in groups that shared photos connect; fixed tags, whose places are known, are one to begin with. The group
+    /// Returns the seen tags in groups that shared photos connect; fixed tags, whose places are known, are one to begin with. The group
     /// with the fixed tags comes first, the others by their first tag.
     pub(super) fn groups(&self) -> Vec<Vec<usize>> {
         let mut sets = UnionFind::new(self.tags.len());

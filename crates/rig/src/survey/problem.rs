@@ -1,8 +1,8 @@
-//! Why there is no survey, or a tag is not in it: sentences that a photographer can act on.
+//! Reasons why there is no survey, or a tag is not in it: sentences that a photographer can act on.
 
 use scaleproof_core::spelling::list;
 
-/// Why there is no survey at all.
+/// Reason why there is no survey at all.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SurveyError {
     #[error(
@@ -41,7 +41,7 @@ pub enum SurveyError {
     TwoSizes { id: u32, scene_mm: f64, given_mm: f64 },
 }
 
-/// Why a seen tag is not in the surveyed scene.
+/// Reason why a seen tag is not in the surveyed scene.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LeftOutReason {
     /// Neither the sizes nor the scene has it.

@@ -1,4 +1,4 @@
-//! How far a tag's corners are from where a pose puts them, and how that changes with the poses.
+//! Distances of a tag's corners from where a pose puts them, and their derivatives by the poses.
 
 use nalgebra::{Matrix2x3, Matrix2x6, Point3, Vector2};
 
@@ -9,7 +9,7 @@ use scaleproof_pose::scene::corners_in_tag_mm;
 /// Squared distance that stands for a corner without a pixel: behind the camera, or beyond the lens model. px².
 pub(super) const NO_PIXEL: f64 = 1e8;
 
-/// Squared distance in px² between each seen corner and its projection.
+/// Returns the squared distance in px² between each seen corner and its projection.
 pub(super) fn squared_px(camera_tag: &Rigid, size_mm: f64, seen_px: &[[f64; 2]; 4], camera: &Camera) -> [f64; 4] {
     let corners = corners_in_tag_mm(size_mm);
     std::array::from_fn(|i| match camera.project(&(camera_tag * corners[i])) {
@@ -18,7 +18,7 @@ pub(super) fn squared_px(camera_tag: &Rigid, size_mm: f64, seen_px: &[[f64; 2]; 
     })
 }
 
-/// Root mean square over four corners, px.
+/// Returns the root mean square over four corners, px.
 pub(super) fn rms_px(squared_px: [f64; 4]) -> f64 {
     (squared_px.iter().sum::<f64>() / 4.0).sqrt()
 }
@@ -26,13 +26,13 @@ pub(super) fn rms_px(squared_px: [f64; 4]) -> f64 {
 /// One corner, linearised: residual (projected minus seen, px) and its derivatives by translation (mm) and rotation (rad).
 pub struct LinearisedCorner {
     pub residual: Vector2<f64>,
-    /// By `δ` in `T_camera_model ← exp(δ) · T_camera_model`.
+    /// Derivative by `δ` in `T_camera_model ← exp(δ) · T_camera_model`.
     pub by_photo: Matrix2x6<f64>,
-    /// By `δ` in `T_model_tag ← T_model_tag · exp(δ)`.
+    /// Derivative by `δ` in `T_model_tag ← T_model_tag · exp(δ)`.
     pub by_tag: Matrix2x6<f64>,
 }
 
-/// `None` when the corner has no pixel.
+/// Linearises a corner; `None` when it has no pixel.
 ///
 /// Chain rule over `P = T_camera_tag · x`: dP is `t + ω × P` for the photo and `R (t + ω × x)` for the tag.
 pub fn linear(

@@ -1,4 +1,4 @@
-//! Which tag has which size, as in `0-7:50,8-15:40`.
+//! Sizes of tags by id, as in `0-7:50,8-15:40`.
 
 use std::ops::RangeInclusive;
 use std::str::FromStr;
@@ -13,7 +13,7 @@ impl Sizes {
     }
 }
 
-/// Why a text gives no sizes.
+/// Reason why a text gives no sizes.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum SizesError {
     #[error("`{0}` is not ID:MM or FIRST-LAST:MM, as in 0-7:50,8-15:40")]
@@ -29,7 +29,7 @@ pub enum SizesError {
 impl FromStr for Sizes {
     type Err = SizesError;
 
-    /// One size in mm for every tag, or ids and ids from-to, each with a size.
+    /// Parses one size in mm for every tag, or ids and ids from-to, each with a size.
     fn from_str(text: &str) -> Result<Sizes, SizesError> {
         if !text.contains(':') {
             return Ok(Sizes(vec![(0..=u32::MAX, size(text)?)]));

@@ -8,26 +8,26 @@ use super::grow::{candidates, close, rough};
 use super::network::{Node, Poses, Sighting, SizedTag, TINY, TagNetwork};
 use scaleproof_pose::locate::{area_px, expected_px2};
 
-/// A sighting is off when its corners are so many σ off (root mean square over the corners; √2 σ is usual).
+/// Number of σ (root mean square over the corners; √2 σ is usual) above which a sighting is off.
 const OFF_SIGMAS: f64 = 6.0;
 
-/// A fault is believed when the joint adjustment leaves less by the square of so many σ of a corner coordinate. Of what one tag in two places
-/// gains where none moved, the most is 4.8 σ in 50 simulated rooms; in a room of real paper 9 σ of the median noise and 6 of the expected one.
+/// Number of σ of a corner coordinate by whose square a fault must lower the cost of the joint adjustment to be believed. Where none moved, one tag
+/// in two places gains 4.8 σ at most in 50 simulated rooms; in a room of real paper 9 σ of the median noise and 6 of the expected one.
 const FAULT_SIGMAS: f64 = 8.0;
 
-/// Noise below the expected one has tails: it is taken for so many times as much.
+/// Factor for noise below the expected one, which has tails.
 const TAILS: f64 = 1.5;
 
-/// The photos of a tag are parted in every way up to so many.
+/// Largest number of photos of a tag that are parted in every way.
 const MOST_PARTED: usize = 6;
 
-/// Less than this is never off: print, paper and detector are no better. An angle, so that it holds at every resolution.
+/// Angle below which a sighting is never off: print, paper and detector are no better. An angle holds at every resolution.
 const LEAST_OFF_DEG: f64 = 0.04;
 
-/// A single sighting that is off by less than this at the tag's distance is a badly seen corner, not a moved tag. mm.
+/// Distance at the tag, mm, below which a single sighting that is off is a badly seen corner, not a moved tag.
 const LEAST_MOVE_MM: f64 = 1.0;
 
-/// A size further than this from the stated one is wrong; paper and printers are better.
+/// Relative difference from the stated size above which a size is wrong; paper and printers are better.
 const SIZE_TOLERANCE: f64 = 0.01;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -51,7 +51,7 @@ pub(super) enum TagFault {
     },
 }
 
-/// σ of a corner coordinate of a tiny tag (weight 1) in px, by the median residual, which a few bad tags do not change.
+/// Returns σ of a corner coordinate of a tiny tag (weight 1) in px, by the median residual, which a few bad tags do not change.
 pub(super) fn noise_px(net: &TagNetwork, poses: &Poses) -> f64 {
     let squared = net.sightings.iter().filter_map(|s| net.squared_px(s, poses));
     let mut squared: Vec<f64> = squared.flatten().collect();
@@ -65,7 +65,7 @@ pub(super) fn noise_px(net: &TagNetwork, poses: &Poses) -> f64 {
     (squared[squared.len() / 2] / (2.0 * std::f64::consts::LN_2) * numbers / spare).sqrt()
 }
 
-/// How far off a sighting may be.
+/// Limit above which a sighting is off.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limit {
     noise_px: f64,
@@ -73,7 +73,7 @@ pub(super) struct Limit {
 }
 
 impl Limit {
-    /// By the noise that these poses leave.
+    /// Makes the limit by the noise that these poses leave.
     pub(super) fn new(net: &TagNetwork, poses: &Poses) -> Limit {
         Limit {
             noise_px: noise_px(net, poses),
@@ -81,7 +81,7 @@ impl Limit {
         }
     }
 
-    /// The root mean square in px above which a sighting is off.
+    /// Returns the root mean square in px above which a sighting is off.
     pub(super) fn px(self, s: &Sighting) -> f64 {
         (OFF_SIGMAS * self.noise_px / s.weight.sqrt()).max(self.least_px)
     }
@@ -90,7 +90,7 @@ impl Limit {
         rms(s, net, poses).is_some_and(|rms| rms <= self.px(s))
     }
 
-    /// How much less a fault of the tag with these sightings must leave, weighted px².
+    /// Returns the amount by which a fault of the tag with these sightings must lower the cost, weighted px².
     fn gain<'s>(self, own: impl Iterator<Item = &'s Sighting>) -> f64 {
         let noise_px = (TAILS * self.noise_px).min(self.noise_px.max(expected_px2(&TINY).sqrt()));
         let least = own.map(|s| 4.0 * s.weight * self.least_px.powi(2));
@@ -98,20 +98,20 @@ impl Limit {
     }
 }
 
-/// Root mean square distance of a sighting's corners from where the poses put them, px.
+/// Returns the root mean square distance of a sighting's corners from where the poses put them, px.
 pub(super) fn rms(s: &Sighting, net: &TagNetwork, poses: &Poses) -> Option<f64> {
     let squared = net.squared_px(s, poses)?;
     Some((squared.iter().sum::<f64>() / 4.0 / s.weight).sqrt())
 }
 
-/// The tag whose fault explains most of what is off, and the fault; `None` when every sighting fits, or no fault of one tag explains it.
+/// Returns the tag whose fault explains most of what is off, and the fault; `None` when every sighting fits, or no fault of one tag explains it.
 pub(super) fn worst(net: &TagNetwork, poses: &Poses, limit: Limit) -> Option<(usize, TagFault)> {
     let off = net
         .sightings
         .iter()
         .filter(|s| rms(s, net, poses).is_none_or(|rms| rms > limit.px(s) / 2.0));
     let photos: Vec<usize> = off.map(|s| s.photo).collect();
-    // The loss may have blamed another tag of the photo.
+    // The loss may have attributed the fault to another tag of the photo.
     let suspects = (0..net.tags.len()).filter(|t| net.sightings_of(Node::Tag(*t)).any(|s| photos.contains(&s.photo)));
     let left = cost(net, poses, rough(net));
     let hypotheses = suspects.flat_map(|tag| {
@@ -138,7 +138,7 @@ pub(super) fn worst(net: &TagNetwork, poses: &Poses, limit: Limit) -> Option<(us
     Some((tag, fault))
 }
 
-/// What may be wrong with a tag, and the network and the poses if it is.
+/// A fault that a tag may have, and the network and the poses if it has.
 struct Hypothesis {
     fault: TagFault,
     net: TagNetwork,
@@ -204,7 +204,7 @@ fn fault(net: &TagNetwork, poses: &Poses, tag: usize, limit: Limit) -> Option<Hy
     })
 }
 
-/// The network with one more tag: what stands in the place of `tag` in these photos.
+/// Returns the network with one more tag, which stands in the place of `tag` in these photos.
 fn twinned(net: &TagNetwork, tag: usize, there: &[usize]) -> TagNetwork {
     let mut net = net.clone();
     let twin = net.tags.len();
@@ -222,7 +222,7 @@ fn twinned(net: &TagNetwork, tag: usize, there: &[usize]) -> TagNetwork {
     net
 }
 
-/// A tag in two places, its photos parted so that the joint adjustment leaves least.
+/// Returns the fault of a tag in two places, its photos parted so that the joint adjustment has the least cost.
 fn parted(net: &TagNetwork, poses: &Poses, tag: usize) -> Option<Hypothesis> {
     let photos: Vec<usize> = net.sightings_of(Node::Tag(tag)).map(|s| s.photo).collect();
     let mut poses = poses.clone();
@@ -248,8 +248,8 @@ fn parted(net: &TagNetwork, poses: &Poses, tag: usize) -> Option<Hypothesis> {
     Some(Hypothesis { fault, net, poses })
 }
 
-/// The ways to part the photos of a tag in two: every one when they are few; else one photo from the others, and earlier from later ones. The smaller
-/// part of each.
+/// Returns the ways to part the photos of a tag in two, each by its smaller part: every one when they are few; else one photo from the others, and
+/// earlier from later ones.
 fn partings(photos: &[usize]) -> Vec<Vec<usize>> {
     let n = photos.len();
     let pick = |is_there: &dyn Fn(usize) -> bool| {
@@ -271,7 +271,7 @@ fn partings(photos: &[usize]) -> Vec<Vec<usize>> {
     alone.chain((2..n - 1).map(|first| pick(&|i| i >= first))).collect()
 }
 
-/// The sightings of one tag, and the photos' poses as the other tags have them.
+/// Returns the sightings of one tag, and the photos' poses as the other tags have them.
 fn alone(net: &TagNetwork, poses: &Poses, tag: usize) -> (TagNetwork, Poses) {
     let mut others = net.with(|s| s.tag != tag);
     let mut poses = poses.clone();
@@ -289,7 +289,7 @@ fn alone(net: &TagNetwork, poses: &Poses, tag: usize) -> (TagNetwork, Poses) {
     (own, poses)
 }
 
-/// The pose of a tag that fits in most of its photos, and those photos.
+/// Returns the pose of a tag that fits in most of its photos, and those photos.
 fn largest_group(own: &TagNetwork, poses: &Poses, tag: usize, limit: Limit) -> Option<(Poses, Vec<usize>)> {
     let fits = |poses: &Poses| -> Vec<usize> {
         own.sightings
@@ -313,7 +313,7 @@ fn largest_group(own: &TagNetwork, poses: &Poses, tag: usize, limit: Limit) -> O
     fitting.min_by_key(|(_, group)| std::cmp::Reverse(group.len()))
 }
 
-/// The size with which the tag fits in all its photos, and its pose then, when it is seen in two at least and the size is not the stated one.
+/// Returns the size with which the tag fits in all its photos, and its pose then, when it is seen in two at least and the size is not the stated one.
 fn other_size(own: &TagNetwork, poses: &Poses, tag: usize, limit: Limit) -> Option<(f64, Poses)> {
     let stated_mm = own.tags[tag].size_mm;
     let fitted = |ln_ratio: f64| {

@@ -1,4 +1,4 @@
-//! How sure a comparison is as a whole: how its findings were decided, and what a rate without an interval leaves open.
+//! Sentences on the certainty of a comparison: how its findings were decided, and bounds for rates without an interval.
 
 use super::paired as shown;
 use crate::score::{Compared, Difference, Scores};
@@ -6,7 +6,7 @@ use scaleproof_core::spelling::{self, digits};
 use scaleproof_core::statistics::{FEWEST_CLUSTERS, wilson_95};
 use scaleproof_plot::distinct;
 
-/// The tests of a comparison in words: `5 detectors × 2 textures`.
+/// Returns the tests of a comparison in words: `5 detectors × 2 textures`.
 pub(super) fn family(results: &[Compared]) -> String {
     let tested = || results.iter().filter(|r| r.finding.is_some());
     let [detectors, textures] = [
@@ -20,7 +20,7 @@ pub(super) fn family(results: &[Compared]) -> String {
     of.join(" × ")
 }
 
-/// Sentences: how effects are decided, and the p of each.
+/// Returns a sentence on how effects are decided, with the p value of each; `None` where nothing was tested.
 pub(super) fn tested(scores: &Scores, results: &[Compared]) -> Option<String> {
     let each = |r: &Compared| {
         let is_only = results.iter().all(|other| other.variant == r.variant);
@@ -45,7 +45,8 @@ pub(super) fn tested(scores: &Scores, results: &[Compared]) -> Option<String> {
     })
 }
 
-/// `0.33` and `[−0.10, 0.60]`: the attack success rate, and its interval or why it has none; `–` alone where the base's figure is 0.
+/// Returns the attack success rate and its interval, or the reason why it has none: `0.33` and `[−0.10, 0.60]`; `–` alone where the base's figure is
+/// 0.
 pub(super) fn asr(r: &Compared, d: &Difference, number: impl Fn(f64) -> String) -> (String, Option<String>) {
     let rate = shown::asr(d, number);
     match rate.split_once(' ') {
@@ -54,7 +55,7 @@ pub(super) fn asr(r: &Compared, d: &Difference, number: impl Fn(f64) -> String) 
     }
 }
 
-/// The attack success rate and its interval, or in brackets why it has none, as one text.
+/// Returns the attack success rate and its interval, or in brackets the reason why it has none, as one text.
 pub(super) fn asr_text(r: &Compared, d: &Difference, number: impl Fn(f64) -> String) -> String {
     match asr(r, d, number) {
         (rate, None) => rate,
@@ -63,7 +64,7 @@ pub(super) fn asr_text(r: &Compared, d: &Difference, number: impl Fn(f64) -> Str
     }
 }
 
-/// Why an attack success rate has no interval, and what is known all the same: 1.00 of few photos is not certain.
+/// Returns the reason why an attack success rate has no interval and, where no photo is hit, a Wilson bound: 1.00 of few photos is not certain.
 pub(super) fn without_interval(r: &Compared, d: &Difference) -> String {
     if r.clusters < FEWEST_CLUSTERS {
         return format!("no interval: fewer than {FEWEST_CLUSTERS} clusters");
@@ -72,7 +73,7 @@ pub(super) fn without_interval(r: &Compared, d: &Difference) -> String {
         return "no interval: too many resamples do not find the base".to_owned();
     }
     let is_never_hit = d.other == 0.0 && r.hit_rate.rate.other == 0.0;
-    // The photos of one cluster are no evidence of their own.
+    // Photos of one cluster are not independent: the bound counts clusters.
     let bound = wilson_95(0, r.clusters).filter(|_| is_never_hit);
     let is_each = r.clusters == r.pairs;
     let clusters = if is_each {

@@ -32,7 +32,7 @@ struct Image<'a> {
     session: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     place: Option<&'a str>,
-    /// Azimuth, pitch and distance, where they are known.
+    /// Azimuth, elevation and distance, where they are known.
     #[serde(flatten)]
     viewpoint: Option<Viewpoint>,
     /// Weather, light and others, which `session import` keeps.
@@ -40,7 +40,7 @@ struct Image<'a> {
     conditions: BTreeMap<&'a str, &'a str>,
 }
 
-/// Conditions of these names would be taken for what COCO and the keys above mean by them.
+/// Names that a condition must not have: COCO or the fields above use them. Such conditions are left out.
 const KEYS: [&str; 10] = [
     "place",
     "id",
@@ -56,7 +56,7 @@ const KEYS: [&str; 10] = [
 
 #[derive(Serialize)]
 struct Annotation {
-    /// From 1: pycocotools takes id 0 for "unmatched".
+    /// Number from 1 on: pycocotools takes id 0 for "unmatched".
     id: u64,
     image_id: u64,
     category_id: u32,
@@ -71,12 +71,12 @@ struct Category {
     name: String,
 }
 
-/// The categories that the report's COCO files share, whichever numbers each detector has. Whatever counts as the model is one category,
-/// called as in `car+truck`, so that tools that compare category with category give the figures of the report.
+/// Categories that the report's COCO files share, whichever numbers each detector has. All labels that count as the model are one category, named as
+/// in `car+truck`, so that tools that compare category with category give the figures of the report.
 pub(super) struct Categories {
-    /// Names by id, from the first detector's labels on.
+    /// Category names by id.
     names: BTreeMap<u32, String>,
-    /// What counts as the model.
+    /// Id of the category that counts as the model.
     model: u32,
 }
 
@@ -95,7 +95,7 @@ impl Categories {
         categories
     }
 
-    /// Under its own id where that is free, else behind all others.
+    /// Adds a label under its own id where that is free, else behind all others.
     fn add(&mut self, detector: &EvaluatedDetector, label: usize) {
         let labels = detector.labels();
         let (Some(name), Some(own)) = (labels.name(label), labels.category_id(label)) else {
@@ -126,7 +126,7 @@ pub(super) fn truth(scores: &Scores) -> serde_json::Result<String> {
     annotations(scores, |photo| photo.file.clone(), names, model)
 }
 
-/// A COCO annotation file whose images have these names, with boxes of the category `model`.
+/// Returns a COCO annotation file whose images have these names, with boxes of the category `model`.
 pub(super) fn annotations(
     scores: &Scores,
     file_name: impl Fn(&ScoredPhoto) -> String,

@@ -19,20 +19,20 @@ pub struct ComparisonPage<'a> {
     comparison: &'a Comparison,
     /// The labels that count as the model.
     classes: &'a [String],
-    /// Which labels of a box count in its figures, by detector: `best`, its best alone; `all`, each with its own confidence; `listed`, as the network
-    /// lists its boxes; `given`, as another program gives them.
+    /// Rule for the labels of a box that count in its figures, by detector: `best`, its best alone; `all`, each with its own confidence; `listed`, as
+    /// the network lists its boxes; `given`, as another program gives them.
     box_labels: BTreeMap<&'a str, &'static str>,
-    /// What weakens the figures, as sentences (explained in codes.md).
+    /// Cautions about the figures, as sentences (explained in codes.md).
     cautions: &'a [String],
     /// The table that the page begins with: an object for each detector and texture.
     effects: serde_json::Value,
-    /// What may be written of it in a paper, as sentences; empty where nothing was tested.
+    /// Sentences that may be written of the comparison in a paper; empty where nothing was tested.
     paper: Vec<String>,
     /// Photos that are in no figure, and why.
     not_scored: &'a [NotScored],
     /// The definition of every figure, by its name.
     definitions: BTreeMap<&'static str, &'static str>,
-    /// Where the figures come from: enough to repeat them, or to see why a repetition differs.
+    /// Origin of the figures: enough to repeat them, or to see why a repetition differs.
     provenance: Provenance,
 }
 
@@ -49,11 +49,11 @@ pub fn write_comparison(folder: &Path, scores: &Scores, comparison: &Comparison)
         .to_vec();
     let figures = figures::of_comparison(scores, comparison)?;
     all.extend(figures.into_iter().map(|(name, content)| (folder.join(name), content)));
-    files::replace_all_atomically(&all)?;
+    files::replace_all_atomically(folder, &all)?;
     Ok(folder.join("comparison.html"))
 }
 
-/// The whole of `comparison.json`.
+/// Returns the whole text of `comparison.json`.
 pub fn comparison_json(scores: &Scores, comparison: &Comparison) -> Result<String, ReportError> {
     let page = ComparisonPage {
         comparison,
@@ -74,8 +74,8 @@ pub fn comparison_json(scores: &Scores, comparison: &Comparison) -> Result<Strin
     Ok(serde_json::to_string_pretty(&page)? + "\n")
 }
 
-/// A screen: in what it differs from its plan; what was found, in a sentence for each texture; what that rests on; a line for each detector and texture; look by look where that was
-/// asked for.
+/// Returns a comparison for the terminal: deviations from its plan; a sentence on the findings for each texture, and what they rest on; a line for
+/// each detector and texture; the looks of a sequential test.
 pub fn comparison_table(scores: &Scores, comparison: &Comparison) -> String {
     let (results, base) = (&comparison.results, &comparison.base);
     let mut lines = Vec::new();
@@ -94,7 +94,8 @@ pub fn comparison_table(scores: &Scores, comparison: &Comparison) -> String {
     lines.join("\n")
 }
 
-/// What a screen leaves out: what may be written, the drop of each figure with its interval, how effects were decided, and what counts as the model.
+/// Returns the parts of a comparison that the screen leaves out: sentences for a paper, the drop of each figure with its interval, how effects were
+/// decided, and the labels that count as the model.
 pub fn further_comparison(scores: &Scores, comparison: &Comparison) -> String {
     let mut lines = paper::sentences(
         scores,

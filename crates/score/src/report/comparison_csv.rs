@@ -1,4 +1,5 @@
-//! `comparison.csv`: a line for each detector, texture and endpoint: both figures, the drop and its interval, and what is shown of the detector and texture.
+//! `comparison.csv`: a line for each detector, texture and endpoint, with both figures, the drop and its interval, and the effect of the texture on
+//! the detector.
 
 use serde_json::json;
 

@@ -1,4 +1,4 @@
-//! What counts as the model: said wherever figures stand.
+//! Labels that count as the model, in words for every place where figures stand.
 
 use std::collections::BTreeMap;
 
@@ -6,12 +6,12 @@ use crate::score::{EvaluatedDetector, Scores};
 use scaleproof_plot::distinct;
 use scaleproof_pose::scene::Classes;
 
-/// The labels that count, of the first session; all sessions of a run have the same.
+/// Returns the labels that count as the model, those of the first session; all sessions of a run have the same.
 pub(super) fn classes(scores: &Scores) -> &Classes {
     &scores.sessions[0].scene.model.class
 }
 
-/// [`labels`] with each detector's rule for the labels of a box: "car; labels of a box: best (yolox_nano), all (nanodet_m)".
+/// Returns [`labels`] with each detector's rule for the labels of a box: "car; labels of a box: best (yolox_nano), all (nanodet_m)".
 pub fn counted(scores: &Scores) -> String {
     let rules = box_labels(scores);
     let of_rule = |rule: &str| {
@@ -25,23 +25,23 @@ pub fn counted(scores: &Scores) -> String {
     format!("{}; labels of a box: {rule}", labels(scores))
 }
 
-/// What the rules are called.
+/// Definitions of the rules for the labels of a box.
 pub(super) const BOX_LABELS: &str = "each detector's own rule. best: a box counts with its best label alone; all: with every label, each with its own confidence; listed: as the network lists its boxes; given: as another program gives them";
 
-/// Each detector's rule, by its name.
+/// Returns each detector's rule for the labels of a box, by the detector's name.
 pub fn box_labels(scores: &Scores) -> BTreeMap<&str, &'static str> {
     let each = scores.detectors.iter();
     each.map(|detector| (detector.manifest.name.as_str(), detector.box_labels()))
         .collect()
 }
 
-/// The rule of the detector of this name.
+/// Returns the rule for the labels of a box of the detector called `name`.
 pub(super) fn box_labels_of(scores: &Scores, name: &str) -> Option<&'static str> {
     let own = scores.detectors.iter().find(|detector| detector.manifest.name == name);
     own.map(EvaluatedDetector::box_labels)
 }
 
-/// "car or truck", and of detectors that map labels of their own: "car or truck (mine: PKW as car)".
+/// Returns the labels that count as the model, "car or truck", with those that detectors map: "car or truck (mine: PKW as car)".
 pub(super) fn labels(scores: &Scores) -> String {
     let mapped: Vec<String> = scores.detectors.iter().filter_map(mapped).collect();
     if mapped.is_empty() {
@@ -51,7 +51,7 @@ pub(super) fn labels(scores: &Scores) -> String {
     }
 }
 
-/// The labels that a detector counts by another name than their own.
+/// Returns the labels that a detector counts under another name than their own: "mine: PKW as car".
 fn mapped(detector: &EvaluatedDetector) -> Option<String> {
     let manifest = &detector.manifest;
     let renamed = detector.counted.iter().filter_map(|label| {

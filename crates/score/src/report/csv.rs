@@ -16,7 +16,8 @@ pub fn render(scores: &Scores) -> Result<String, ReportError> {
     csv_of(scored.chain(not_scored))
 }
 
-/// The line of a photo (session, file, variant, why it was left out), and of the detector that saw it; without one all else is empty.
+/// Returns the line of a photo (session, file, variant, reason why it was left out) and of the detector that saw it; for a photo that none saw all
+/// else is empty.
 fn line<'a>(
     scores: &Scores,
     [session, file, variant, reason]: [&str; 4],
@@ -65,7 +66,7 @@ fn line<'a>(
     ]
 }
 
-/// `lux=300; weather=rain`
+/// Returns the conditions of a photo: `lux=300; weather=rain`.
 fn conditions(photo: &ScoredPhoto) -> String {
     let all = photo.conditions.iter().map(|(name, value)| format!("{name}={value}"));
     all.collect::<Vec<_>>().join("; ")

@@ -1,4 +1,4 @@
-//! What is left of the differences when photos are defended: `defences.csv`, and `defences.tex` for a paper.
+//! Differences between variants on defended photos: `defences.csv`, and `defences.tex` for a paper.
 
 use serde_json::json;
 
@@ -8,7 +8,7 @@ use crate::score::{Defences, Scores};
 
 pub(super) const NAMES: [&str; 2] = ["defences.csv", "defences.tex"];
 
-/// Names and contents of the files; none where it was not asked for.
+/// Returns names and contents of the files; none for a run without defences.
 pub(super) fn files(scores: &Scores) -> Result<Vec<(String, String)>, ReportError> {
     let Some(defences) = &scores.defences else {
         return Ok(Vec::new());
@@ -28,7 +28,7 @@ pub(super) fn files(scores: &Scores) -> Result<Vec<(String, String)>, ReportErro
     ])
 }
 
-/// Both tables, with what the defences are above them.
+/// Returns both tables in TeX, below a comment that describes the defences.
 fn tex(scores: &Scores, defences: &Defences) -> String {
     let cards = defences
         .defences
@@ -45,7 +45,7 @@ fn tex(scores: &Scores, defences: &Defences) -> String {
     )
 }
 
-/// As one line of a comment.
+/// Replaces control characters by spaces, so that a text is one line of a comment.
 fn one_line(text: &str) -> String {
     text.replace(char::is_control, " ")
 }

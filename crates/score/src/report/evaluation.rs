@@ -32,7 +32,7 @@ impl<'a> Evaluation<'a> {
         own.map(|s| &s.overall)
     }
 
-    /// `pattern` against `base` on pairs; `base` is listed before `pattern`.
+    /// Returns `pattern` compared with `base` on pairs; `base` is listed before `pattern`.
     pub(super) fn compared(&self, base: &str, pattern: &str, detector: &EvaluatedDetector) -> Option<&Compared> {
         let comparison = self.comparisons.iter().find(|c| c.base == base)?;
         let of = |r: &&Compared| r.variant == pattern && r.detector == detector.manifest.name;
@@ -40,6 +40,6 @@ impl<'a> Evaluation<'a> {
     }
 }
 
-/// What the intervals do and do not say.
+/// Scope of the intervals.
 pub(super) const SCOPE: &str = "95 % intervals: bootstrap over viewpoint and light, the photos paired by both; they hold for this model, these lights \
                                 and renders, not for others";

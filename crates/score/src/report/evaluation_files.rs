@@ -1,4 +1,4 @@
-//! The files of an evaluation: page, tables for a paper, and what a spreadsheet reads.
+//! Files of an evaluation: its page, tables for a paper, and CSV for spreadsheets.
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,10 @@ pub fn write_evaluation(folder: &Path, evaluation: &Evaluation) -> Result<PathBu
         ("differences.csv", differences_csv(evaluation)?),
         ("evaluation.tex", latex::evaluation(evaluation)),
     ];
-    files::replace_all_atomically(&texts.map(|(name, text)| (folder.join(name), text.into_bytes())))?;
+    files::replace_all_atomically(
+        folder,
+        &texts.map(|(name, text)| (folder.join(name), text.into_bytes())),
+    )?;
     Ok(folder.join("evaluation.html"))
 }
 

@@ -1,4 +1,4 @@
-//! What other programs run on: the photos of a session with their truth boxes, as COCO or YOLO have them.
+//! Photos of a session with their truth boxes, exported in the COCO or YOLO format for other programs.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -28,7 +28,7 @@ pub enum ExportFormat {
     Yolo,
 }
 
-/// Finds out, before photos are searched, that a folder is new or empty.
+/// Checks, before photos are searched, that a folder is new or empty and can be written.
 pub fn check_export(folder: &Path) -> Result<(), ExportError> {
     if std::fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some()) {
         let folder = folder.to_owned();
@@ -37,8 +37,8 @@ pub fn check_export(folder: &Path) -> Result<(), ExportError> {
     Ok(files::check_writable(folder)?)
 }
 
-/// Writes the photos of one session, whose truth boxes are known, into a new or empty folder, whole or not at all, and returns the file that names
-/// everything. Detectors are not needed; the photos are links, or copies where `copy` says so.
+/// Writes the photos of one session, whose truth boxes are known, into a new or empty folder, whole or not at all, and returns its main file
+/// (`annotations.json` or `data.yaml`). Needs no detectors; links the photos, or copies them if `copy` is true.
 pub fn export(scores: &Scores, format: ExportFormat, folder: &Path, copy: bool) -> Result<PathBuf, ExportError> {
     check_export(folder)?;
     let names = names(&scores.photos)?;
@@ -59,7 +59,7 @@ pub fn export(scores: &Scores, format: ExportFormat, folder: &Path, copy: bool) 
     let main = texts.first().map_or(folder.to_owned(), |(name, _)| folder.join(name));
     files::make_folder(folder, |inside| {
         for (name, text) in &texts {
-            files::write_atomically(&inside.join(name), text.as_bytes())?;
+            files::replace_atomically(inside, &inside.join(name), text.as_bytes())?;
         }
         scores.photos.iter().try_for_each(|photo| {
             let from = scores.sessions[photo.session].folder.join(&photo.file);
@@ -74,7 +74,7 @@ pub fn export(scores: &Scores, format: ExportFormat, folder: &Path, copy: bool) 
     Ok(main)
 }
 
-/// A name for each photo, by its id: its own, or its path in one word where two photos are called alike but for the ending.
+/// Returns a file name for each photo, by its id: its own where all are unique without their endings, else its path in one word.
 fn names(photos: &[ScoredPhoto]) -> Result<BTreeMap<u64, String>, ExportError> {
     let own = |photo: &ScoredPhoto| files::name_of(Path::new(&photo.file));
     let stem = |name: &str| Path::new(name).with_extension("").display().to_string();
@@ -92,8 +92,8 @@ fn names(photos: &[ScoredPhoto]) -> Result<BTreeMap<u64, String>, ExportError> {
     Ok(names)
 }
 
-/// The labels that the truth is written in, with their categories: COCO's when it has those of the scene, else the scene's own; and the index of
-/// what the model counts as: the first of the scene's labels.
+/// Returns the labels that the truth is written in, with their category ids: COCO's if it has all of the scene's, else the scene's own; and the index
+/// of the label of the model, the first of the scene's.
 fn labels(scores: &Scores) -> (Vec<(u32, String)>, usize) {
     let own = counted::classes(scores).labels();
     let coco = Labels::Coco80;
@@ -105,7 +105,7 @@ fn labels(scores: &Scores) -> (Vec<(u32, String)>, usize) {
     }
 }
 
-/// The list of images, a text for each, and what Ultralytics reads.
+/// Returns the files of a YOLO data set: `data.yaml` for Ultralytics, the list of images, and a label file for each photo.
 fn yolo(
     scores: &Scores,
     name_of: &dyn Fn(&ScoredPhoto) -> String,
@@ -114,7 +114,7 @@ fn yolo(
     let photos = scores.photos.iter();
     let list = photos.map(|photo| format!("./images/{}\n", name_of(photo)));
     let names = labels.iter().enumerate();
-    // A text of JSON is one of YAML.
+    // A string of JSON is one of YAML.
     let names = names.map(|(index, (_, name))| format!("  {index}: {}\n", serde_json::Value::from(name.as_str())));
     let data = format!("train: images\nval: images\nnames:\n{}", names.collect::<String>());
     let mut texts = vec![

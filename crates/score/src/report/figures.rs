@@ -1,17 +1,17 @@
-//! The charts as files for papers, SVG and PDF, of the marks that the pages show.
+//! Charts of the pages as SVG and PDF files for papers.
 
 use super::{ReportError, certainty, html};
 use crate::score::{Comparison, Scores, paired};
 use scaleproof_detect::Speeds;
 use scaleproof_plot::{Drawing, Explained, figure};
 
-/// The chart that a report has only when something is compared.
+/// Name of the chart that a report has only when something is compared.
 const DROPS: &str = "drop_of_confidence";
 
-/// The chart that a report has only when times are given.
+/// Name of the chart that a report has only when times are given.
 const AGAINST_TIME: &str = "ap_against_time";
 
-/// The chart that a report has only when photos were made worse.
+/// Name of the chart that a report has only when photos were corrupted.
 const ROBUSTNESS: &str = "robustness";
 
 pub(super) type File = (String, Vec<u8>);
@@ -103,7 +103,7 @@ pub(super) fn of_comparison(scores: &Scores, comparison: &Comparison) -> Result<
     files_of("drops", "Drops with 95 % intervals", &explained, 1, drawings)
 }
 
-/// What an earlier report may have left that this one does not write.
+/// Returns the names of chart files that an earlier report may have left and this one does not write.
 pub(super) fn stale(scores: &Scores, speeds: Option<&Speeds>, no_longer_robustness: bool) -> Vec<String> {
     let charts = [
         (DROPS, paired(scores).is_empty()),
@@ -116,7 +116,7 @@ pub(super) fn stale(scores: &Scores, speeds: Option<&Speeds>, no_longer_robustne
         .collect()
 }
 
-/// In the page's own folder: only files of one folder appear together or not at all.
+/// Returns the file name of a chart. It lies in the page's own folder: only files of one folder appear together or not at all.
 fn file_name(name: &str, ending: &str) -> String {
     format!("figure_{name}.{ending}")
 }

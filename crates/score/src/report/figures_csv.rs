@@ -12,7 +12,7 @@ pub fn render(scores: &Scores) -> Result<String, ReportError> {
 
 #[derive(Default)]
 struct Group<'a> {
-    /// `all`, `azimuth`, `cell` (azimuth × pitch × distance), `place` or `condition`.
+    /// `all`, `azimuth`, `cell` (azimuth × elevation × distance), `place` or `condition`.
     kind: &'static str,
     azimuth_deg: Option<f64>,
     cell: Option<Bin>,
@@ -56,11 +56,11 @@ fn rows<'a>(scores: &Scores, s: &'a Summary) -> Vec<Row<'a>> {
     [all].into_iter().chain(groups).map(|g| row(scores, s, &g)).collect()
 }
 
-/// The line of a group; one without photos has no figures but its zero.
+/// Returns the line of a group; a group without photos has 0 photos and no other figures.
 fn row<'a>(scores: &Scores, s: &Summary, g: &Group) -> Row<'a> {
     let criteria = &scores.criteria;
     let figure = |of: fn(&Figures) -> f64| json!(g.figures.map(of));
-    // One photo has no ranking.
+    // A single photo has no ranking, and so no AP.
     let several = g.figures.filter(|f| f.photos > 1 || g.kind == "all");
     let average = |of: fn(&Figures) -> f64| json!(several.map(of));
     let drop = |of: fn(&Drop) -> f64| json!(g.drop.as_ref().map(of));
@@ -116,7 +116,7 @@ fn row<'a>(scores: &Scores, s: &Summary, g: &Group) -> Row<'a> {
     row
 }
 
-/// The columns of a rate: its count, itself and the ends of its interval.
+/// Returns the columns of a rate: its count, the rate itself and the ends of its interval.
 fn rate(names: [&str; 4], rate: Option<Rate>) -> [(&str, Value); 4] {
     let [count, share, low, high] = names;
     [

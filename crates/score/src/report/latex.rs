@@ -5,7 +5,7 @@ use super::tex::{escaped, number, row, tabular};
 use super::{Cell, certainty, p_value, paired, tables};
 use crate::score::{Compared, Comparison, Difference, Effect, Scores, disagreements, paired as all_paired};
 
-/// The whole file: a comment that says what the numbers mean, and one `tabular`.
+/// Returns the whole file: a comment that explains the numbers, and one `tabular`.
 pub fn table(scores: &Scores) -> String {
     format!("{}\n{}", comment(scores), tables::figures(scores).tex())
 }
@@ -31,7 +31,7 @@ fn comment(scores: &Scores) -> String {
     )
 }
 
-/// What stands below the notes of a table: how effects were decided, rates without an interval, and every caution; a line each.
+/// Returns the comment below the notes of a table, a line each: how effects were decided, rates without an interval, and every caution.
 fn below(scores: &Scores, results: &[Compared], is_by_looks: bool) -> String {
     let open = results.iter().flat_map(|r| {
         let figures = [("hit rate", &r.hit_rate.rate), ("AP@0.5", &r.ap50)];
@@ -57,12 +57,13 @@ fn comments(sentences: impl Iterator<Item = String>) -> String {
     lines.collect()
 }
 
-/// What counts as the model, as one line of a comment.
+/// Returns the labels that count as the model, as one line of a comment.
 fn commented(scores: &Scores) -> String {
     super::counted(scores).replace(char::is_control, " ")
 }
 
-/// The drops of a comparison: a comment that says what the numbers mean, and a `tabular` for each endpoint, which fits one column of a paper of two.
+/// Returns the drops of a comparison: a comment that explains the numbers, and a `tabular` for each endpoint, which fits one column of a paper of
+/// two.
 pub fn comparison(scores: &Scores, comparison: &Comparison) -> String {
     let protocol = scores.criteria.protocol.map(|p| format!(", protocol {}", p.name()));
     let comment = format!(
@@ -109,7 +110,7 @@ fn asr_cell(d: &Difference) -> String {
     d.asr.map_or("--".to_owned(), |asr| number(asr, 2))
 }
 
-/// An effect in a narrow column; a note below the table has the words.
+/// Returns the symbol of an effect for a narrow column; a note below the table explains it.
 fn effect_cell(effect: Effect) -> &'static str {
     match effect {
         Effect::Hides => "$\\Downarrow$",
@@ -123,11 +124,11 @@ fn effect_cell(effect: Effect) -> &'static str {
 const EFFECTS: &str =
     "$\\Downarrow$ hides, $\\downarrow$ weakens, $\\uparrow$ strengthens, -- nothing shown, ? cannot tell";
 
-/// Letters of a detector's title that leave room for the widest figures beside it; a longer one stands on a line of its own.
+/// Largest number of letters of a detector's title that leaves room for the widest figures beside it; a longer one stands on a line of its own.
 const LONGEST_TITLE: usize = 16;
 
-/// One endpoint: its name, and what its last columns are called and aligned as; a group of rows for each texture. Small letters and narrow gaps, for a column of
-/// 237 pt (CVPR).
+/// Returns the table of one endpoint, given its name, and heading and alignment of its last columns; a group of rows for each texture. Small letters
+/// and narrow gaps fit a column of 237 pt (CVPR).
 fn endpoint<'a>(
     scores: &Scores,
     comparison: &'a Comparison,
@@ -184,7 +185,7 @@ fn drop_cell(d: &Difference, is_shown: bool) -> String {
         .tex()
 }
 
-/// The paper's two tables: pattern × detector.
+/// Returns the paper's two tables: pattern × detector.
 pub(super) fn evaluation(evaluation: &Evaluation) -> String {
     let comment = format!(
         "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}. Confidence: mean, misses count 0.\n\

@@ -1,4 +1,4 @@
-//! Scores become files people and programs read: HTML, LaTeX, JSON, CSV, COCO.
+//! Report files of scores, for people and programs: HTML, LaTeX, JSON, CSV, COCO.
 
 mod certainty;
 mod coco;
@@ -60,7 +60,7 @@ pub use truth::truth_boxes;
 
 const SUMMARY: &str = "summary.json";
 
-/// Why the report could not be written.
+/// Reason why the report could not be written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReportError {
@@ -77,7 +77,7 @@ pub enum ReportError {
 /// A line of a table for spreadsheets: each column's name and value.
 type Row<'a> = Vec<(&'a str, Value)>;
 
-/// A table with a header, for spreadsheets; a value that is null is left empty.
+/// Writes a table with a header, for spreadsheets; a value that is null is left empty.
 fn csv_of<N: AsRef<str>>(rows: impl IntoIterator<Item = Vec<(N, Value)>>) -> Result<String, ReportError> {
     let mut writer = ::csv::Writer::from_writer(Vec::new());
     for (i, row) in rows.into_iter().enumerate() {
@@ -88,7 +88,7 @@ fn csv_of<N: AsRef<str>>(rows: impl IntoIterator<Item = Vec<(N, Value)>>) -> Res
         writer.serialize(values)?;
     }
     let text = writer.into_inner().map_err(|e| ::csv::Error::from(e.into_error()))?;
-    // Texts in, texts out: nothing is lost.
+    // All values were valid UTF-8: nothing is lost.
     Ok(String::from_utf8_lossy(&text).into_owned())
 }
 
@@ -123,12 +123,12 @@ pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<
         .chain(figures);
     let files: Vec<_> = contents.map(|(name, content)| (folder.join(name), content)).collect();
     let before = Before::in_folder(folder);
-    files::replace_all_atomically(&files)?;
+    files::replace_all_atomically(folder, &files)?;
     remove_stale(folder, &before, scores, speeds)?;
     Ok(folder.join("report.html"))
 }
 
-/// What an earlier report in the folder was of.
+/// Contents of an earlier report in the folder that this one may not have.
 #[derive(Deserialize, Default)]
 struct Before {
     results: Vec<Reported>,
@@ -154,8 +154,8 @@ impl Before {
     }
 }
 
-/// Removes what an earlier run left and this one does not write: COCO results of other detectors, whose ids mean other photos now, and the tables
-/// and charts that were asked for then: of a protocol, of times, of photos made worse or defended.
+/// Removes files that an earlier run left and this one does not write: COCO results of other detectors, whose ids mean other photos now, and the
+/// tables and charts of a protocol, of times, of corruptions and of defences that this run does not have.
 fn remove_stale(folder: &Path, before: &Before, scores: &Scores, speeds: Option<&Speeds>) -> Result<(), ReportError> {
     let no_longer_robustness = before.robustness.is_some() && scores.robustness.is_none();
     let mut stale = figures::stale(scores, speeds, no_longer_robustness);
@@ -172,34 +172,36 @@ fn remove_stale(folder: &Path, before: &Before, scores: &Scores, speeds: Option<
         .unwrap_or_default()
         .into_iter()
         .map(|manifest| manifest.name);
-    // The summary may be somebody else's: only what can be a detector's name becomes part of a path.
+    // The summary may be somebody else's: only valid names of detectors become part of a path.
     let names = before.results.iter().map(|result| result.detector.clone());
     let names = built_in.chain(names.filter(|name| Manifest::is_name(name)));
     let others = names.filter(|name| scores.detectors.iter().all(|c| c.manifest.name != *name));
     stale.extend(others.map(|name| results_name(&name)));
-    Ok(stale.iter().try_for_each(|name| files::remove(&folder.join(name)))?)
+    Ok(stale
+        .iter()
+        .try_for_each(|name| files::chosen::remove(folder, &folder.join(name)))?)
 }
 
 fn results_name(detector: &str) -> String {
     format!("coco_results_{detector}.json")
 }
 
-/// A number with so many digits behind the point, and a true minus sign.
+/// Formats a number with `behind` digits behind the point, and a true minus sign.
 pub fn number(value: f64, behind: usize) -> String {
     digits(value, behind).replace('-', "−")
 }
 
-/// A p value with its sign, as behind `p`.
+/// Formats a p value with its sign, to stand behind `p`.
 pub fn p_value(p: f64) -> String {
     match digits(p, 3) {
         _ if p < 0.001 => "< 0.001".to_owned(),
-        // Rounded it would look like a difference that is shown.
+        // Rounded to 0.050 it would look like a difference that is shown.
         shown if shown == "0.050" && p > 0.05 => "> 0.050".to_owned(),
         shown => format!("= {shown}"),
     }
 }
 
-/// What another label on the model is called, with its confidence.
+/// Returns the name of another label on the model, with its confidence.
 fn other_label(photo: &ScoredPhoto, index: usize, detector: &EvaluatedDetector) -> Option<(&'static str, f64)> {
     let (label, confidence) = photo.outcomes[index].other?;
     Some((detector.labels().name(label).unwrap_or("?"), confidence))

@@ -1,17 +1,17 @@
-//! What the paired photos say of a drop, in words: it stands beside every drop.
+//! Sentences about the drop on paired photos: they stand beside every drop.
 
 use super::p_value;
 use crate::score::{BASE_VARIANT, Compared, Difference, Effect, Finding, PlanCheck, Scores, paired, paired_control};
 use scaleproof_core::spelling::{self, digits};
 use scaleproof_core::statistics::Interval;
 
-/// What the pairs of a variant, or of the control, and the base say of one detector; none where no photos pair.
+/// Returns the comparison of a variant, or of the control, with the base for one detector; `None` where no photos pair.
 pub(super) fn compared<'a>(scores: &'a Scores, detector: &str, variant: &str) -> Option<&'a Compared> {
     let mut results = paired(scores).iter().chain(paired_control(scores));
     results.find(|r| r.detector == detector && r.variant == variant)
 }
 
-/// An effect in a word or two.
+/// Returns an effect in a word or two.
 pub fn briefly(effect: Effect) -> &'static str {
     match effect {
         Effect::Hides => "hides",
@@ -22,14 +22,14 @@ pub fn briefly(effect: Effect) -> &'static str {
     }
 }
 
-/// What is shown of a detector in a word or two.
+/// Returns the effect on a detector in a word or two, or `not tested`.
 pub(super) fn word(r: &Compared) -> &'static str {
     r.finding.map_or(NOT_TESTED, |finding| briefly(finding.effect))
 }
 
 const NOT_TESTED: &str = "not tested";
 
-/// An effect with its p and what stays open: `weakens, p 0.008`; `nothing shown, p 0.180; a drop of 0.31 would have been (chance 0.8)`.
+/// Returns an effect with its p value and its limits: `weakens, p 0.008`; `nothing shown, p 0.180; a drop of 0.31 would have been (chance 0.8)`.
 pub(super) fn in_words(r: &Compared, base: &str) -> String {
     let Some(finding) = r.finding else {
         return NOT_TESTED.to_owned();
@@ -45,7 +45,7 @@ pub(super) fn in_words(r: &Compared, base: &str) -> String {
     parts.into_iter().flatten().collect::<Vec<_>>().join("; ")
 }
 
-/// `the plain model`, or another base by its name.
+/// Returns `the plain model`, or another base by its name.
 pub(super) fn named_base(base: &str) -> String {
     match base {
         BASE_VARIANT => "the plain model".to_owned(),
@@ -53,7 +53,7 @@ pub(super) fn named_base(base: &str) -> String {
     }
 }
 
-/// Which word the control holds back.
+/// Returns a sentence on the effect that is withheld because of the control.
 fn held_back(finding: &Finding) -> Option<String> {
     let withheld = finding.withheld_by_control?;
     Some(if finding.effect.is_shown() {
@@ -66,7 +66,7 @@ fn held_back(finding: &Finding) -> Option<String> {
     })
 }
 
-/// The drop that photos which show nothing would have shown, or how many views are missing before anything can be.
+/// Returns the reason why nothing is shown: repeated photos, missing views, or the least drop that would have been shown.
 fn open(r: &Compared) -> Option<String> {
     let finding = r.finding?;
     if finding.withheld_for_copies {
@@ -82,7 +82,7 @@ fn open(r: &Compared) -> Option<String> {
     }
 }
 
-/// The second answer, for places like these.
+/// Returns the second finding in words, the one for places like these.
 fn elsewhere(r: &Compared) -> Option<String> {
     let second = r.finding?.in_places_like_these?;
     Some(match second.places_missing {
@@ -101,7 +101,7 @@ fn elsewhere(r: &Compared) -> Option<String> {
     })
 }
 
-/// Whether an effect is withheld for a reason, and the reason.
+/// Test of whether an effect is withheld for a reason, and the reason.
 pub(super) type Withheld = (fn(&Compared) -> bool, &'static str);
 
 pub(super) const WITHHELD: [Withheld; 2] = [
@@ -115,17 +115,17 @@ pub(super) const WITHHELD: [Withheld; 2] = [
     ),
 ];
 
-/// True where an effect was found that does not count.
+/// Returns true if an effect was found but is withheld.
 pub(super) fn is_withheld(r: &Compared) -> bool {
     r.effect() == Effect::NothingShown && WITHHELD.iter().any(|(is_so, _)| is_so(r))
 }
 
-/// True where a change of the mean confidence is shown.
+/// Returns true if a change of the mean confidence is shown.
 pub(super) fn is_confidence_shown(r: &Compared) -> bool {
     r.effect().is_shown()
 }
 
-/// Whether the hit rate is shown to fall, which is asked where the confidence is.
+/// Returns true if the hit rate is shown to fall, which is tested only where the confidence falls.
 pub(super) fn is_hit_rate_shown(r: &Compared) -> bool {
     let falls = |finding: &Finding| {
         let is_withheld = finding.withheld_by_control.is_some();
@@ -135,24 +135,25 @@ pub(super) fn is_hit_rate_shown(r: &Compared) -> bool {
     r.hit_rate.rate.drop > 0.0 && r.finding.as_ref().is_some_and(falls)
 }
 
-/// `[0.38, 1.00]`, by what writes its numbers.
+/// Writes an interval as `[0.38, 1.00]`, its numbers by `number`.
 pub(super) fn ends(interval: Interval, number: impl Fn(f64) -> String) -> String {
     format!("[{}, {}]", number(interval.low), number(interval.high))
 }
 
-/// `[0.38, 1.00]` of the drop, by what writes its numbers.
+/// Writes the interval of the drop as `[0.38, 1.00]`, its numbers by `number`.
 pub(super) fn interval(d: &Difference, number: impl Fn(f64) -> String) -> Option<String> {
     d.interval_95.map(|i| ends(i, number))
 }
 
-/// `0.33 [−0.10, 0.60]`: the attack success rate; `–` where the base's figure is 0.
+/// Writes the attack success rate as `0.33 [−0.10, 0.60]`; `–` where the base's figure is 0.
 pub(super) fn asr(d: &Difference, number: impl Fn(f64) -> String) -> String {
     let interval = d.asr_interval_95.map(|i| format!(" {}", ends(i, &number)));
     let rate = d.asr.map(|asr| number(asr) + &interval.unwrap_or_default());
     rate.unwrap_or_else(|| "–".to_owned())
 }
 
-/// `8 pairs from 1 place × 8 bins`, how many of these views are there where not all are, and how many near-copies count with them.
+/// Returns the pairs of a comparison: `8 pairs from 1 place × 8 bins`, with the number of views taken where some are missing, and of near-copies
+/// counted once.
 pub(super) fn basis(r: &Compared) -> String {
     let grid = format!(
         "{} from {} × {}",
@@ -174,8 +175,8 @@ pub(super) fn basis(r: &Compared) -> String {
     }
 }
 
-/// How many views would show the drop of the mean confidence that was seen, if it is the true one; none where something is shown or there is no drop. Intervals
-/// narrow with the square root of the number of views.
+/// Returns a sentence on the number of views that would show the observed drop of the mean confidence, if it is the true one; `None` where an effect
+/// is shown or there is no drop. Intervals narrow with the square root of the number of views.
 pub(super) fn more_photos(r: &Compared) -> Option<String> {
     let drop = r.mean_confidence.drop;
     let shown_from = r.finding?.drop_shown_from.filter(|_| drop > 0.005)?;
@@ -195,10 +196,10 @@ pub(super) fn more_photos(r: &Compared) -> Option<String> {
     })
 }
 
-/// More views than anyone photographs.
+/// Largest number of views that is suggested.
 const MOST_VIEWS: f64 = 2000.0;
 
-/// `2 deviations`, or that there is none.
+/// Returns `2 deviations`, or that there is none, and whether the plan was judged by the hit rate.
 pub(super) fn deviations(plan: &PlanCheck) -> String {
     let kept = match plan.deviations.len() {
         0 => "kept, no deviation".into(),

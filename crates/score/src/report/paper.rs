@@ -1,4 +1,4 @@
-//! What may be written in a paper about a comparison, with its caveats, ready to paste.
+//! Sentences on a comparison for a paper, with its caveats, ready to paste.
 
 use super::paired::{WITHHELD, is_withheld, named_base};
 use super::{p_value, verdict};
@@ -6,11 +6,11 @@ use crate::score::{Compared, Comparison, Effect, PlanCheck, Scores};
 use scaleproof_core::spelling::{self, digits};
 use scaleproof_plot::distinct;
 
-/// By what a comparison was decided, where not by one look at the confidences.
+/// Basis of a comparison's findings, where it is not one test of the confidences.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Judged<'a> {
     pub plan: Option<&'a PlanCheck>,
-    /// True where each pair or place was looked at.
+    /// True if it was a sequential test, after each pair or place.
     pub is_by_looks: bool,
 }
 
@@ -23,7 +23,7 @@ impl<'a> Judged<'a> {
     }
 }
 
-/// A sentence or two for each texture, then one on how it was decided and how far it holds. Nothing where nothing was tested.
+/// Returns a sentence or two for each texture, then one on how effects were decided and one on how far they hold; none where nothing was tested.
 pub(super) fn sentences(scores: &Scores, results: &[Compared], base: &str, judged: Judged) -> Vec<String> {
     let tested: Vec<&Compared> = results.iter().filter(|r| r.finding.is_some()).collect();
     let textures = distinct(tested.iter().map(|r| r.variant.as_str()));
@@ -39,7 +39,7 @@ pub(super) fn sentences(scores: &Scores, results: &[Compared], base: &str, judge
     all
 }
 
-/// What was shown of one texture, and what was not.
+/// Returns sentences on the effects of one texture that were shown, were not shown, or are withheld.
 fn of_texture(scores: &Scores, own: &[&Compared], base: &str) -> Vec<String> {
     let Some(first) = own.first() else {
         return Vec::new();
@@ -106,7 +106,7 @@ fn of_texture(scores: &Scores, own: &[&Compared], base: &str) -> Vec<String> {
     sentences
 }
 
-/// `A from 0.72 to 0.23 (drop 0.49, 95 % CI 0.30 to 0.66, p = 0.008; 6 of 8 photos hit, then 0)`
+/// Returns the change of one detector: `A from 0.72 to 0.23 (difference 0.49, 95 % CI 0.30 to 0.66, p = 0.008; 6 of 8 photos hit, then 0)`.
 fn change(scores: &Scores, r: &Compared) -> String {
     let d = &r.mean_confidence;
     let two = |v: f64| digits(v, 2);
@@ -131,7 +131,8 @@ fn change(scores: &Scores, r: &Compared) -> String {
     )
 }
 
-/// How large a drop would have been shown, as far as that can be said of each, or how many views are missing before anything can be.
+/// Returns the range of drops that would have been shown, if it is known for each detector, or the number of views missing before anything can be
+/// shown.
 fn power(nothing: &[&Compared]) -> String {
     let missing = nothing.iter().filter_map(|r| Some(r.finding?.views_missing)).max();
     if let Some(more @ 1..) = missing {
@@ -164,7 +165,7 @@ fn method(plan: Option<&PlanCheck>, is_by_looks: bool) -> String {
     "Significance is by sign flips of the views, joint over the detectors of a texture (step-down, Westfall and Young 1993), at 5 % shared by the textures; confidence intervals are bootstrapped by view and uncorrected.".to_owned()
 }
 
-/// What the result holds for.
+/// Returns a sentence on the places, light, print and model that the result holds for.
 fn reach(scores: &Scores, tested: &[&Compared]) -> String {
     let places = tested.iter().map(|r| r.places).max().unwrap_or_default();
     let is_wider = tested.iter().any(|r| {

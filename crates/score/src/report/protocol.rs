@@ -3,7 +3,7 @@
 use super::{ReportError, tables};
 use crate::score::Scores;
 
-/// Names and contents of the files; none when the run follows no protocol.
+/// Returns names and contents of the files; none when the run follows no protocol.
 pub(super) fn files(scores: &Scores) -> Result<Vec<(String, String)>, ReportError> {
     let Some(table) = tables::protocol(scores) else {
         return Ok(Vec::new());

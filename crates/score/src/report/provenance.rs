@@ -1,4 +1,4 @@
-//! Where a result came from: enough to repeat it, or to see why a repetition differs.
+//! Provenance of a result: enough to repeat it, or to see why a repetition differs.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -20,7 +20,7 @@ pub(super) struct Provenance {
     /// With `--settings`: the file that changed how photos are located or figures computed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub settings: Option<AppliedSettings>,
-    /// How AP@0.5 is computed: `coco-101`, `all-point`, `voc-11` or `yolov5-ramp`.
+    /// Definition of AP@0.5: `coco-101`, `all-point`, `voc-11` or `yolov5-ramp`.
     pub ap_definition: &'static str,
     /// Name of the protocol whose definitions and thresholds these are; `null` for none.
     pub protocol: Option<&'static str>,
@@ -55,7 +55,7 @@ pub(super) struct DetectorProvenance {
     pub counted_labels: Vec<&'static str>,
     pub origin: String,
     pub licence: String,
-    /// Where its detections come from: `live`, `recorded`, `results` (files of another program), `program` or `function` (of Python).
+    /// Source of its detections: `live`, `recorded`, `results` (files of another program), `program` or `function` (of Python).
     pub source: &'static str,
     /// Program and runtime that made the recording; `null` where there is none.
     pub recorded_by: Option<String>,
@@ -70,7 +70,7 @@ pub(super) struct SessionProvenance {
     pub scale: f64,
     /// Places of the scored photos, each once.
     pub places: Vec<String>,
-    /// When the first and the last scored photo was taken, as the session or EXIF says; `null` where neither does.
+    /// Times of the first and the last scored photo, as the session or EXIF says; `null` where neither does.
     pub taken: Option<[String; 2]>,
     /// Name of the camera file; `null` without one.
     pub camera: Option<String>,
@@ -120,7 +120,7 @@ fn detector(c: &EvaluatedDetector) -> DetectorProvenance {
     }
 }
 
-/// Hashes by the names of their files; the second of a name is “name (2)”.
+/// Returns hashes by the names of their files; the second of a name is “name (2)”.
 fn by_name(files: &[(String, String)]) -> BTreeMap<String, String> {
     let mut all = BTreeMap::new();
     for (name, hash) in files {

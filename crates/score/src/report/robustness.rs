@@ -1,4 +1,4 @@
-//! `robustness.csv`: what is left of the differences when photos get worse.
+//! `robustness.csv`: differences between variants on corrupted photos.
 
 use serde_json::{Value, json};
 
@@ -24,7 +24,7 @@ pub(super) fn csv(scores: &Scores, robustness: &Robustness) -> Result<String, Re
     }))
 }
 
-/// Of a comparison.
+/// Returns the columns of a comparison of a variant with a base.
 pub(super) fn columns(scores: &Scores, held: &Held) -> Vec<(&'static str, Value)> {
     let mut line = vec![
         ("base", json!(held.base)),
@@ -42,7 +42,7 @@ pub(super) fn columns(scores: &Scores, held: &Held) -> Vec<(&'static str, Value)
     line
 }
 
-/// Columns of a difference, as [`values`] has them.
+/// Names of the columns of a difference, in the order of [`values`].
 const AP50: [&str; 5] = ["base_ap50", "ap50", "drop_ap50", "drop_ap50_low", "drop_ap50_high"];
 const HIT_RATE: [&str; 5] = [
     "base_hit_rate",

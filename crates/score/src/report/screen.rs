@@ -1,13 +1,13 @@
-//! What the terminal says of a scoring run: the verdict, one table, and on request the rest.
+//! Screen of a scoring run: the verdict, one table, and on request the rest.
 
 use super::{Table, certainty, counted, paper, tables, truth_boxes, verdict};
 use crate::score::{Scores, disagreements, paired as all_paired};
 
-/// Letters that a line of a screen has room for.
+/// Number of letters that fit on a line of a screen.
 const LETTERS: usize = 100;
 
-/// A screen: what was found, in a sentence for each texture; what it rests on; a line for each detector and texture. Below it the tables that were asked for by an
-/// option: a protocol's, by condition, of photos made worse or defended, the order of the textures.
+/// Returns the screen of a run: a sentence on the findings for each texture; what they rest on; a line for each detector and texture. Below stand the
+/// tables of options: a protocol's, by condition, of photos corrupted or defended, the order of the textures.
 pub fn summary_table(scores: &Scores) -> String {
     let results = all_paired(scores);
     let mut lines = verdict::sentences(scores, results, &scores.base);
@@ -25,7 +25,8 @@ pub fn summary_table(scores: &Scores) -> String {
     lines.join("\n")
 }
 
-/// What a screen leaves out: the other tables, where AP and hits disagree and why, how effects were decided, what may be written, and what counts as the model.
+/// Returns the parts that the screen leaves out: the other tables, where AP and hits disagree and why, how effects were decided, sentences for a
+/// paper, and the labels that count as the model.
 pub fn further_tables(scores: &Scores) -> String {
     let results = all_paired(scores);
     let mut lines = Vec::new();
@@ -56,7 +57,7 @@ pub fn further_tables(scores: &Scores) -> String {
     lines.join("\n")
 }
 
-/// A table with its notes, as wide as a screen.
+/// Returns the lines of a table with its notes, as wide as a screen.
 pub(super) fn on_screen(table: &Table) -> Vec<String> {
     let mut lines = table.lines_within(LETTERS);
     lines.extend(table.notes.iter().cloned());

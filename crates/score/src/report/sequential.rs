@@ -1,14 +1,14 @@
-//! A comparison look by look, in words.
+//! A sequential comparison in words.
 
 use super::p_value;
 use super::paired::briefly;
 use crate::score::{ClusteredBy, Course, Decision, Scores, Sequential, SequentialFinding};
 use scaleproof_core::spelling;
 
-/// From this evidence on (a factor of 40) a drop is shown.
+/// Evidence from which a drop is shown, as a base-10 logarithm (a factor of 40).
 pub(super) const SHOWN_FROM: f64 = 1.602;
 
-/// What one can look after.
+/// Returns the unit of a look: `place` or `pair`.
 pub(super) fn unit(sequential: &Sequential) -> &'static str {
     match sequential.look_after_each {
         ClusteredBy::Place => "place",
@@ -16,7 +16,7 @@ pub(super) fn unit(sequential: &Sequential) -> &'static str {
     }
 }
 
-/// What is shown so far, in one line: `fake: hides (a drop, shown after 10 of 16 pairs, p = 0.035)`.
+/// Returns the findings so far in one line: `fake: hides (a drop, shown after 10 of 16 pairs, p = 0.035)`.
 pub fn standing(sequential: &Sequential) -> String {
     let each = sequential.results.iter().map(|course| {
         let (word, confidence) = (briefly(course.effect), &course.mean_confidence);
@@ -26,14 +26,14 @@ pub fn standing(sequential: &Sequential) -> String {
     each.collect::<Vec<_>>().join("; ")
 }
 
-/// `= 0.012, corrected = 0.060`
+/// Returns the p value of a decision, and the corrected one where it differs: `= 0.012, corrected = 0.060`.
 pub(super) fn p_of(decision: &Decision) -> String {
     let corrected = decision.p_corrected.filter(|p| *p != decision.p_always_valid);
     let corrected = corrected.map(|p| format!(", corrected {}", p_value(p)));
     p_value(decision.p_always_valid) + &corrected.unwrap_or_default()
 }
 
-/// `, 24 repeats not looked at`; empty without any.
+/// Returns `, 24 repeats not looked at`; an empty text without any.
 pub(super) fn repeats(course: &Course) -> String {
     match course.repeats {
         0 => String::new(),
@@ -48,7 +48,7 @@ pub(super) fn figures(course: &Course) -> [(&'static str, &Decision); 2] {
     ]
 }
 
-/// `a drop, shown after 7 of 24 pairs`
+/// Returns a finding with its looks: `a drop, shown after 7 of 24 pairs`.
 pub(super) fn found(decision: &Decision, sequential: &Sequential, looks: usize) -> String {
     let what = match decision.finding {
         SequentialFinding::Drop => "a drop".to_owned(),
@@ -65,7 +65,7 @@ pub(super) fn found(decision: &Decision, sequential: &Sequential, looks: usize) 
     }
 }
 
-/// What an interval rests on.
+/// Returns the number of places or whole rounds that an interval rests on.
 pub(super) fn rounds(decision: &Decision, unit: &str) -> String {
     match unit {
         "place" => spelling::count(decision.rounds, "place"),

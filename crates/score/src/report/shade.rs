@@ -2,7 +2,7 @@
 
 use scaleproof_plot::{BLACK, Colour, WHITE};
 
-/// The colour of a share from 0 to 1; values beyond take the ends.
+/// Returns the colour of a share from 0 to 1; values beyond take the ends.
 pub fn shade(share: f64) -> Colour {
     const PALE: [f64; 3] = [247.0, 251.0, 255.0];
     const BLUE: [f64; 3] = [8.0, 48.0, 107.0];
@@ -11,7 +11,7 @@ pub fn shade(share: f64) -> Colour {
     Colour(r << 16 | g << 8 | b)
 }
 
-/// The colour of text on it: whichever contrasts more.
+/// Returns the colour of text on the shade of a share: black or white, whichever contrasts more.
 pub fn ink(share: f64) -> Colour {
     if share > 0.645 { WHITE } else { BLACK }
 }

@@ -19,10 +19,10 @@ pub struct SummaryPage<'a> {
     photos_scored: usize,
     /// The labels that count as the model.
     classes: &'a [String],
-    /// How the figures called `ap50` are computed: `coco-101`, `all-point`, `voc-11` or `yolov5-ramp` (figures.md).
+    /// Definition of the figures called `ap50`: `coco-101`, `all-point`, `voc-11` or `yolov5-ramp` (figures.md).
     ap_definition: &'static str,
-    /// Which labels of a box count in its figures, by detector: `best`, its best alone; `all`, each with its own confidence; `listed`, as the network
-    /// lists its boxes; `given`, as another program gives them.
+    /// Rule for the labels of a box that count in its figures, by detector: `best`, its best alone; `all`, each with its own confidence; `listed`, as
+    /// the network lists its boxes; `given`, as another program gives them.
     box_labels: BTreeMap<&'a str, &'static str>,
     /// Confidence from which a detection counts as a hit, 0 to 1.
     hit_confidence: f64,
@@ -36,7 +36,7 @@ pub struct SummaryPage<'a> {
     results: &'a [Summary],
     /// Each variant against the base on paired photos, as `results` of `comparison.json`.
     paired: &'a [Compared],
-    /// Where AP and hit rate disagree, and why.
+    /// Sentences on where AP and hit rate disagree, and why.
     explanations: Vec<String>,
     /// With `--corrupt`: what is left of the differences on photos made worse (scoring.md); else `null`.
     robustness: Option<&'a Robustness>,
@@ -52,24 +52,24 @@ pub struct SummaryPage<'a> {
     reliability: Vec<Reliability>,
     /// Times of the detectors, from the file of `--speed`; `null` without one.
     speed: Option<&'a Speeds>,
-    /// What weakens the figures, as sentences (explained in codes.md).
+    /// Cautions about the figures, as sentences (explained in codes.md).
     cautions: &'a [String],
     /// The table that the report begins with: an object for each detector and texture but the base.
     effects: Value,
-    /// What may be written of the comparison in a paper, as sentences; empty where nothing was tested.
+    /// Sentences that may be written of the comparison in a paper; empty where nothing was tested.
     paper: Vec<String>,
     /// Photos that are in no figure, and why.
     not_scored: &'a [NotScored],
     /// The definition of every figure, by its name.
     definitions: BTreeMap<&'static str, String>,
-    /// Where the figures come from: enough to repeat them, or to see why a repetition differs.
+    /// Origin of the figures: enough to repeat them, or to see why a repetition differs.
     provenance: Provenance,
 }
 
-/// The whole of `summary.json`.
+/// Returns the whole text of `summary.json`.
 ///
 /// # Errors
-/// Figures that JSON has no words for.
+/// Fails on figures that JSON cannot represent.
 pub fn summary_json(scores: &Scores, speeds: Option<&Speeds>) -> serde_json::Result<String> {
     let page = SummaryPage {
         photos_scored: scores.photos.len(),

@@ -1,27 +1,27 @@
-//! Texts, numbers and rows as TeX prints them.
+//! Texts, numbers and rows in TeX.
 
 use scaleproof_core::spelling::digits;
 
-/// A `tabular` of blocks of rows with a line between two of them; the first is the head.
+/// Returns a `tabular` of blocks of rows with a line between two of them; the first is the head.
 pub(super) fn tabular(columns: &str, blocks: impl IntoIterator<Item = Vec<String>>) -> String {
     let blocks: Vec<String> = blocks.into_iter().map(|rows| rows.concat()).collect();
     let rows = blocks.join("\\midrule\n");
     format!("\\begin{{tabular}}{{{columns}}}\n\\toprule\n{rows}\\bottomrule\n\\end{{tabular}}\n")
 }
 
-/// A line of a `tabular`.
+/// Returns a line of a `tabular`.
 pub(super) fn row<T: Into<String>>(cells: impl IntoIterator<Item = T>) -> String {
     let cells: Vec<String> = cells.into_iter().map(Into::into).collect();
     format!("{} \\\\\n", cells.join(" & "))
 }
 
-/// A number with a true minus sign.
+/// Formats a number with a true minus sign.
 pub(super) fn number(value: f64, behind: usize) -> String {
     let text = digits(value, behind);
     text.strip_prefix('-').map(|size| format!("$-{size}$")).unwrap_or(text)
 }
 
-/// Text as TeX prints it. A bracket or star that opens a row would be read as an argument of the `\\` before it.
+/// Escapes text for TeX. A bracket or star that opens a row would be read as an argument of the `\\` before it.
 pub fn escaped(text: &str) -> String {
     let mut tex = String::new();
     for c in text.chars() {

@@ -1,4 +1,4 @@
-//! Where the truth boxes came from, in words.
+//! Sources of the truth boxes, in words.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use crate::score::Scores;
 use scaleproof_core::files;
 use scaleproof_pose::scene::Envelope;
 
-/// How many truth boxes were drawn around which envelope, and how many came with the sessions, as one line.
+/// Returns the number of truth boxes by source, as one line: drawn around an envelope, or given by the sessions.
 pub fn truth_boxes(scores: &Scores) -> String {
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
     for photo in &scores.photos {

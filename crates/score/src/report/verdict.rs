@@ -1,17 +1,18 @@
-//! What a comparison found, in a sentence for each texture: it stands above every table.
+//! Verdict of a comparison, in a sentence for each texture: it stands above every table.
 
 use super::paired;
 use crate::score::{Compared, Effect, Scores};
 use scaleproof_core::spelling::count;
 use scaleproof_plot::distinct;
 
-/// Words of a sentence.
+/// Largest number of words of a sentence.
 const MOST_WORDS: usize = 25;
 
-/// So many detectors are named in a sentence; more are counted.
+/// Largest number of detectors that are named in a sentence; more are counted.
 const MOST_NAMED: usize = 2;
 
-/// `In the same light, “ours” hides the model from 2 of 5 detectors (A, B); nothing is shown for 3`. One for each texture, of 25 words at most.
+/// Returns a sentence of 25 words at most for each texture: `In the same light, “ours” hides the model from 2 of 5 detectors (A, B); nothing is shown
+/// for 3`.
 pub(super) fn sentences(scores: &Scores, results: &[Compared], base: &str) -> Vec<String> {
     let tested = results.iter().filter(|r| r.finding.is_some());
     let textures = distinct(tested.map(|r| r.variant.as_str()));
@@ -21,7 +22,7 @@ pub(super) fn sentences(scores: &Scores, results: &[Compared], base: &str) -> Ve
         .collect()
 }
 
-/// `These photos are renders`, where all are; what a comparison rests on follows.
+/// Returns the pairs that a comparison rests on, after `These photos are renders` where all are.
 pub(super) fn basis(scores: &Scores, results: &[Compared]) -> Option<String> {
     let basis = paired::basis(results.first()?);
     Some(match are_renders(scores) {
@@ -30,7 +31,7 @@ pub(super) fn basis(scores: &Scores, results: &[Compared]) -> Option<String> {
     })
 }
 
-/// True where no camera took the photos.
+/// Returns true if no camera took the photos.
 pub(super) fn are_renders(scores: &Scores) -> bool {
     scores.sessions.iter().all(|session| session.rendered)
 }
@@ -43,7 +44,7 @@ fn sentence(scores: &Scores, results: &[Compared], [texture, base]: [&str; 2]) -
     worded(scores, results, [texture, base], 0)
 }
 
-/// The sentence, in which groups of no more than so many detectors are named.
+/// Returns the sentence, in which groups of at most `most_named` detectors are named.
 fn worded(scores: &Scores, results: &[Compared], [texture, base]: [&str; 2], most_named: usize) -> String {
     let own = results.iter().filter(|r| r.variant == texture && r.finding.is_some());
     let own: Vec<&Compared> = own.collect();
@@ -87,7 +88,7 @@ fn worded(scores: &Scores, results: &[Compared], [texture, base]: [&str; 2], mos
     capitalised(&parts.join("; "))
 }
 
-/// `2 of 5 detectors (A, B)`, `all 5 detectors`, or the one there is by its name.
+/// Returns `2 of 5 detectors (A, B)`, `all 5 detectors`, or the name of the only one.
 fn detectors(names: &[&str], all: usize, is_first: bool, are_named: bool) -> String {
     let of = match (names.len(), all) {
         (1, 1) => return names[0].to_owned(),

@@ -1,9 +1,10 @@
-//! Results kept from run to run: what a photo showed is computed once, whatever is asked of it later.
+//! Results kept from run to run: each result on a photo is computed once, whatever later runs use it for.
 //!
 //! An entry is named by everything it depends on: the photo's content, the detector's weights and how they are fed and read, this
 //! very program file and its libraries. So nothing has to be thrown away when something changes, it is only not found any more.
 
 use std::hash::{BuildHasher, RandomState};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
@@ -11,6 +12,9 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use scaleproof_core::files;
+
+/// An entry is what was found in one photo: some kilobytes.
+const MOST_BYTES: u64 = 256 << 20;
 
 /// A folder of entries. Several threads, and several processes, may use one at the same time.
 #[derive(Debug)]
@@ -20,7 +24,7 @@ pub struct Cache {
     problems: Mutex<Problems>,
 }
 
-/// What went wrong with entries; none of it changes a result.
+/// Problems with entries; none of them changes a result.
 #[derive(Debug, Default)]
 struct Problems {
     damaged: usize,
@@ -32,8 +36,7 @@ struct Problems {
 pub struct Key(String);
 
 impl Cache {
-    /// The cache in a folder, which need not exist yet. Results of another build of this program, or with other `libraries`,
-    /// are never taken.
+    /// Opens the cache in a folder, which need not exist yet. Results of another build of this program, or with other `libraries`, are never taken.
     pub fn open(folder: &Path, libraries: &str) -> Result<Cache, files::FileError> {
         files::check_writable(folder)?;
         let program = std::env::current_exe().map_err(|e| files::FileError::Read {
@@ -47,18 +50,19 @@ impl Cache {
         })
     }
 
-    /// The name of what depends on these `parts`, and on the program.
+    /// Returns the name of the entry that depends on these `parts`, and on the program.
     pub fn key(&self, parts: &[&str]) -> Key {
         let parts = [&[self.program.as_str()], parts].concat();
-        // Each part with its length: no two lists of parts look the same.
+        // Each part with its length: no two lists of parts give the same text.
         let text: String = parts.iter().map(|part| format!("{} {part}\n", part.len())).collect();
         Key(files::sha256_hex(text.as_bytes()))
     }
 
-    /// An entry, if it is there and whole; a damaged one is remembered for [`Cache::complaints`].
+    /// Returns an entry, if it is there and whole; a damaged one is remembered for [`Cache::complaints`].
     pub fn get<T: DeserializeOwned>(&self, key: &Key) -> Option<T> {
         let path = self.path(key);
-        let bytes = std::fs::read(&path).ok()?;
+        std::fs::symlink_metadata(&path).ok()?;
+        let bytes = files::chosen::kept(&self.folder, &path, MOST_BYTES).unwrap_or_default();
         let value = bytes.split_at_checked(64).and_then(|(sum, content)| {
             let is_whole = sum == checksum(key, content).as_bytes();
             is_whole.then(|| postcard::from_bytes(content).ok()).flatten()
@@ -71,7 +75,7 @@ impl Cache {
         value
     }
 
-    /// Keeps an entry. That it cannot be written costs only the next run's time, so it is remembered and the run goes on.
+    /// Writes an entry. A failure costs only the next run's time, so it is remembered and the run goes on.
     pub fn put<T: Serialize>(&self, key: &Key, value: &T) {
         let Err(reason) = self.write(key, value) else { return };
         self.problems().not_written.get_or_insert(reason);
@@ -81,19 +85,24 @@ impl Cache {
         let content = postcard::to_allocvec(value).map_err(|e| e.to_string())?;
         let path = self.path(key);
         let folder = path.parent().unwrap_or(&self.folder);
-        std::fs::create_dir_all(folder).map_err(|e| files::plain(&e))?;
+        files::chosen::folder(&self.folder, folder).map_err(|e| e.to_string())?;
         // Two threads, or processes on two machines, may keep the same entry at once: each has a name of its own until it is
         // whole. Nothing waits for the disk: after a power cut the checksum tells.
         let temporary = folder.join(format!(".{:016x}.partial", RandomState::new().hash_one(&key.0)));
         let bytes = [checksum(key, &content).into_bytes(), content].concat();
-        let written = std::fs::write(&temporary, bytes).and_then(|()| std::fs::rename(&temporary, &path));
-        written.map_err(|e| {
-            let _ = std::fs::remove_file(&temporary);
-            files::plain(&e)
+        let written = || {
+            let mut file = files::chosen::new_file(&self.folder, &temporary)?;
+            let failed = |e| files::FileError::write(&temporary, &e);
+            file.write_all(&bytes).map_err(failed)?;
+            files::chosen::rename(&self.folder, &temporary, &path)
+        };
+        written().map_err(|e| {
+            let _ = files::chosen::remove(&self.folder, &temporary);
+            e.to_string()
         })
     }
 
-    /// What a user should know about the cache, as sentences.
+    /// Returns the problems of the cache, as sentences for the user.
     pub fn complaints(&self) -> Vec<String> {
         let problems = self.problems();
         let damaged = problems.first_damaged.as_ref().map(|first| {
@@ -112,7 +121,7 @@ impl Cache {
         damaged.into_iter().chain(not_written).collect()
     }
 
-    /// Where an entry lies. Folders by the first two digits: file systems and people dislike folders of a hundred thousand files.
+    /// Returns the path of an entry. Folders by the first two digits: file systems and people dislike folders of a hundred thousand files.
     pub fn path(&self, key: &Key) -> PathBuf {
         self.folder.join(&key.0[..2]).join(&key.0[2..])
     }
@@ -122,7 +131,7 @@ impl Cache {
     }
 }
 
-/// Of the name too: an entry under another's name is no entry.
+/// Returns the SHA-256 of an entry's name and content: an entry under another's name is no entry.
 fn checksum(key: &Key, content: &[u8]) -> String {
     files::sha256_hex(&[key.0.as_bytes(), content].concat())
 }

@@ -1,4 +1,4 @@
-//! What a reader must know before believing the figures: said in the terminal, on the report and in `summary.json`.
+//! Cautions about the figures: shown in the terminal, on the report and in `summary.json`.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,7 +13,7 @@ use scaleproof_session::envelope;
 use scaleproof_session::session::Session;
 use scaleproof_session::session::contents::are_copies;
 
-/// The sentences, the weightiest first: a screen shows no more than the first few.
+/// Returns the cautions as sentences, the weightiest first: a screen shows no more than the first few.
 pub(super) fn cautions(
     photos: &[ScoredPhoto],
     not_scored: &[NotScored],
@@ -34,7 +34,7 @@ pub(super) fn cautions(
     cautions.extend(left_out(not_scored));
     cautions.extend(several_models(sessions));
     cautions.extend(several_truths(photos, sessions));
-    // Drops that cannot be told, or that may have another cause.
+    // Drops that cannot be shown, or that may have another cause.
     cautions.extend(no_base(photos, base));
     cautions.extend(few_clusters(photos, base));
     cautions.extend(uneven_directions(photos, base));
@@ -53,7 +53,7 @@ fn no_base(photos: &[ScoredPhoto], base: &str) -> Option<String> {
     (!has_base).then(|| format!("no photo has the variant “{base}”, so no drop can be given"))
 }
 
-/// What a renderer leaves out of light, paint and lens is in no figure.
+/// Warns of renders, whose light, paint and lens are simplified.
 fn renders(sessions: &[Session]) -> Option<String> {
     let rendered: Vec<&str> = sessions
         .iter()
@@ -70,7 +70,7 @@ fn renders(sessions: &[Session]) -> Option<String> {
     })
 }
 
-/// Directions and places that a variant shares with the base, by which photos pair: too few of them leave every drop open.
+/// Warns of variants that share too few directions and places with the base, by which photos pair: any drop may be chance.
 fn few_clusters(photos: &[ScoredPhoto], base: &str) -> Vec<String> {
     let mut seen: BTreeMap<&str, BTreeSet<(Bin, &str)>> = BTreeMap::new();
     for (photo, bin) in photos.iter().filter_map(|p| Some((p, p.bin?))) {
@@ -100,7 +100,7 @@ fn few_clusters(photos: &[ScoredPhoto], base: &str) -> Vec<String> {
     few.into_iter().map(sentence).collect()
 }
 
-/// What was found at one place need not hold at another.
+/// Warns of few places: results at one place need not hold at another.
 fn few_places(photos: &[ScoredPhoto]) -> Option<String> {
     let places: BTreeSet<Option<&str>> = photos.iter().map(|p| p.place.as_deref()).collect();
     match places.len() {
@@ -120,7 +120,7 @@ fn few_places(photos: &[ScoredPhoto]) -> Option<String> {
     }
 }
 
-/// A model that is missed as it is leaves little to drop.
+/// Warns of detectors that often miss the base itself, which leaves little to drop.
 fn hardly_found(summaries: &[Summary], base: &str) -> Vec<String> {
     let own = summaries.iter().filter(|s| s.variant == base);
     let few = own.filter(|s| s.overall.hit_rate.rate < HARDLY_FOUND);
@@ -134,10 +134,10 @@ fn hardly_found(summaries: &[Summary], base: &str) -> Vec<String> {
     few.map(sentence).collect()
 }
 
-/// A plain model found in fewer photos than this leaves hardly anything to lose.
+/// Hit rate of the base below which hardly anything is left to drop.
 const HARDLY_FOUND: f64 = 0.5;
 
-/// Boxes of another scale and labels of another numbering look like a model that is never found.
+/// Warns of detectors that never find the model: their boxes may be of another scale, their labels of another numbering.
 fn never_the_model<'a>(photos: &'a [ScoredPhoto], detectors: &[EvaluatedDetector]) -> Vec<String> {
     let of = |(index, detector): (usize, &EvaluatedDetector)| {
         let of_photo = move |p: &'a ScoredPhoto| p.detections[index].iter().map(|d| (d, &p.truth));
@@ -170,7 +170,7 @@ fn never_the_model<'a>(photos: &'a [ScoredPhoto], detectors: &[EvaluatedDetector
     detectors.iter().enumerate().filter_map(of).collect()
 }
 
-/// Any print of a pattern changes what detectors see; only a random one tells what the optimised one adds.
+/// Warns of a missing random pattern: any print changes detections; only a random one shows what the optimised one adds.
 fn no_random(photos: &[ScoredPhoto], base: &str, control: Option<&str>) -> Option<String> {
     let variants = photos.iter().map(|p| p.variant.as_str());
     let others: BTreeSet<&str> = variants.filter(|v| *v != base && Some(*v) != control).collect();
@@ -181,16 +181,16 @@ fn no_random(photos: &[ScoredPhoto], base: &str, control: Option<&str>) -> Optio
     })
 }
 
-/// Whether a variant is a pattern that was not optimised, by its name.
+/// Returns true if a variant is a pattern that was not optimised, by its name.
 pub(super) fn is_control(variant: &str) -> bool {
     let name = variant.to_lowercase();
     CONTROLS.iter().any(|control| name.contains(control))
 }
 
-/// What people call a pattern that was not optimised.
+/// Words in the names of patterns that were not optimised.
 const CONTROLS: [&str; 3] = ["random", "control", "noise"];
 
-/// A box around the model's size is looser than its outline, and so than a detector's box.
+/// Warns of truth boxes around the model's size, which are looser than its outline, and so than a detector's box.
 fn loose_boxes(photos: &[ScoredPhoto], sessions: &[Session]) -> Option<String> {
     let is_loose = |p: &ScoredPhoto| {
         let envelope = sessions.get(p.session).map(|s| &s.scene.model.envelope);
@@ -206,7 +206,7 @@ fn loose_boxes(photos: &[ScoredPhoto], sessions: &[Session]) -> Option<String> {
     })
 }
 
-/// Copies within a texture count once; a photo that is named for two textures or places cannot show both.
+/// Warns of identical photos that are named for two textures, places or conditions; copies within a texture count once.
 fn copies(photos: &[ScoredPhoto]) -> Option<String> {
     let mut copies = identical_photos(photos);
     let (first, copy) = copies.next()?;
@@ -219,7 +219,8 @@ fn copies(photos: &[ScoredPhoto]) -> Option<String> {
     ))
 }
 
-/// A photo that is named for another place or texture is no evidence of either. Copies byte for byte have a sentence of their own.
+/// Warns of photos that repeat an earlier one under another place or texture, and so are evidence of neither. Copies byte for byte have a sentence of
+/// their own.
 fn repeats(photos: &[ScoredPhoto]) -> Option<String> {
     let identical: BTreeSet<u64> = identical_photos(photos).map(|(_, copy)| copy.id).collect();
     let others = photos.iter().filter(|photo| !identical.contains(&photo.id));
@@ -238,7 +239,7 @@ fn repeats(photos: &[ScoredPhoto]) -> Option<String> {
     ))
 }
 
-/// Pairs of photos with one SHA-256: the last one before, and its copy.
+/// Returns pairs of photos with one SHA-256: the last one before, and its copy.
 pub(super) fn identical_photos(photos: &[ScoredPhoto]) -> impl Iterator<Item = (&ScoredPhoto, &ScoredPhoto)> {
     let mut seen: BTreeMap<&str, &ScoredPhoto> = BTreeMap::new();
     photos
@@ -246,7 +247,7 @@ pub(super) fn identical_photos(photos: &[ScoredPhoto]) -> impl Iterator<Item = (
         .filter_map(move |p| seen.insert(&p.sha256, p).map(|earlier| (earlier, p)))
 }
 
-/// A drop between textures that were not photographed from the same directions mixes texture with direction.
+/// Warns of textures that were not photographed from the same directions: their drop mixes texture with direction.
 fn uneven_directions(photos: &[ScoredPhoto], base_variant: &str) -> Vec<String> {
     let mut counts: BTreeMap<&str, BTreeMap<i64, usize>> = BTreeMap::new();
     for photo in photos {
@@ -272,7 +273,7 @@ fn uneven_directions(photos: &[ScoredPhoto], base_variant: &str) -> Vec<String> 
         .collect()
 }
 
-/// Re-encodings and frames of one moment are no evidence of their own.
+/// Warns of near-copies, such as re-encodings and frames of one moment, which count once.
 fn counted_once(photos: &[ScoredPhoto], not_scored: &[NotScored]) -> Option<String> {
     let mut copies = not_scored
         .iter()
@@ -300,7 +301,7 @@ fn left_out(not_scored: &[NotScored]) -> Option<String> {
     (count > 0).then_some(sentence)
 }
 
-/// A detector that knows some of the labels that count has fewer ways to find the model.
+/// Warns of detectors that lack some of the labels that count, and so have fewer ways to find the model.
 fn unknown_classes(sessions: &[Session], detectors: &[EvaluatedDetector]) -> Vec<String> {
     let Some(classes) = sessions.first().map(|s| &s.scene.model.class) else {
         return Vec::new();
@@ -328,7 +329,7 @@ fn several_models(sessions: &[Session]) -> Option<String> {
     (models.len() > 1).then(|| format!("the sessions show different models, pooled in every figure: {list}"))
 }
 
-/// A box around the model's size is larger than one around its outline, and is matched less easily.
+/// Warns of truth boxes of several kinds: one around the model's size is larger than one around its outline, and is matched less easily.
 fn several_truths(photos: &[ScoredPhoto], sessions: &[Session]) -> Option<String> {
     let source = |p: &ScoredPhoto| {
         if p.truth_given {
@@ -344,7 +345,7 @@ fn several_truths(photos: &[ScoredPhoto], sessions: &[Session]) -> Option<String
     })
 }
 
-/// The photos of a session that were placed by its camera, with their session.
+/// Returns the photos that were placed by the camera of their session, with the session.
 fn placed_by_camera<'a>(
     photos: &'a [ScoredPhoto],
     sessions: &'a [Session],
@@ -353,7 +354,7 @@ fn placed_by_camera<'a>(
     placed.filter_map(|p| Some((p, sessions.get(p.session)?)))
 }
 
-/// A mesh that lies otherwise gives truth boxes of a turned model.
+/// Warns of meshes that lie otherwise than the scene says, which give truth boxes of a turned model.
 fn turned_meshes(sessions: &[Session]) -> BTreeSet<String> {
     let meshes = sessions
         .iter()
@@ -370,7 +371,7 @@ fn guessed_cameras(photos: &[ScoredPhoto], sessions: &[Session]) -> BTreeSet<Str
         .collect()
 }
 
-/// A photo of another size than the camera file's was taken for the whole photo, made smaller or larger.
+/// Warns of photos of another size than the camera file's: each was taken for the whole photo, made smaller or larger.
 fn other_sizes(photos: &[ScoredPhoto], sessions: &[Session]) -> Option<String> {
     let is_other = |p: &ScoredPhoto, s: &Session| {
         let own = s.camera.as_ref().map(|c| [c.width, c.height]);

@@ -1,7 +1,6 @@
-//! Photos whose own tags contradict what the list of their session says: the viewpoint or the box.
+//! Photos whose own tags contradict the viewpoint or the box in the list of their session.
 //!
-//! A list spares the search for tags, so that it is held against one photo in ten. Where one of them contradicts it, all photos of the session are
-//! looked at.
+//! A list saves the search for tags, so it is checked on one photo in ten. Where one of them contradicts it, all photos of the session are checked.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,34 +12,34 @@ use scaleproof_core::geometry::angle::turn;
 use scaleproof_pose::locate::{Located, Warning, locate_tags};
 use scaleproof_pose::scene::{Bins, Viewpoint};
 
-/// Of so many photos of a texture the tags of one are searched; of fewer, of one.
+/// Number of photos of a texture of which one is checked; of fewer one is, too.
 const ONE_IN: usize = 10;
 
-/// A list contradicts tags where it differs from them by more than so many standard deviations of what they say …
+/// Least difference between list and tags that is a contradiction, in standard deviations of the tags' viewpoint …
 const LEAST_SIGMAS: f64 = 5.0;
 
-/// … and by more than this share of the distance, or by more than half a bin: planned viewpoints are honest, though nobody stands right there.
+/// … and for the distance as a share of it; for angles it is half a bin. Planned viewpoints are honest, though nobody stands right there.
 const LEAST_SHARE: f64 = 0.1;
 
-/// Half a bin of pitch where the scene has one pitch, which has no edge: as of azimuth in eight directions.
+/// Half a bin of elevation, degrees, where the scene has one elevation, which has no edge: as of azimuth in eight directions.
 const LONE_HALF_DEG: f64 = 22.5;
 
-/// A listed box and the model by the tags have this IoU at least.
+/// Least IoU of a listed box with the model by the tags.
 const LEAST_IOU: f64 = 0.3;
 
-/// What a look at a photo comes to.
+/// Result of observing a photo.
 pub(super) struct Judged {
     pub photo: Result<ScoredPhoto, NotScored>,
-    /// In what its tags contradict the list, where they were searched.
+    /// Contradiction between its tags and the list, where the tags were searched.
     pub contradiction: Option<NotScoredReason>,
 }
 
-/// Whether a photo that the list places could be located, too.
+/// Returns true if a photo that the list places could be located, too.
 pub(super) fn is_checkable(job: &ScoringJob) -> bool {
     !job.needs_tags() && !job.session.scene.tags.is_empty() && job.session.camera.is_some()
 }
 
-/// Draws the photos that are checked. By a hash of their names: a list that turns the wrong way round is right of its first photo, the front.
+/// Draws the photos that are checked, by a hash of their names: a list that turns the wrong way round is right for its first photo, the front.
 pub(super) fn draw(jobs: &mut [ScoringJob]) {
     let mut textures: BTreeMap<(usize, &str), Vec<(String, usize)>> = BTreeMap::new();
     for (at, job) in jobs.iter().enumerate().filter(|(_, job)| is_checkable(job)) {
@@ -54,7 +53,7 @@ pub(super) fn draw(jobs: &mut [ScoringJob]) {
     }
 }
 
-/// The photos, by index, whose tags have to be searched because others of their session contradict the list.
+/// Returns the photos, by index, whose tags have to be searched because others of their session contradict the list.
 pub(super) fn left_open(jobs: &[ScoringJob], judged: &[Judged]) -> Vec<usize> {
     let doubted = doubted(jobs, judged);
     let is_open = |at: &usize| {
@@ -64,8 +63,8 @@ pub(super) fn left_open(jobs: &[ScoringJob], judged: &[Judged]) -> Vec<usize> {
     (0..jobs.len()).filter(is_open).collect()
 }
 
-/// The photos; where one that every run looks at contradicts its list, those of that session that contradict it are left out. What shards alone saw
-/// changes nothing.
+/// Returns the photos; in a session whose list a photo contradicts that every run checks, those that contradict it are left out. Contradictions that
+/// shards alone found change nothing.
 pub(super) fn refused(jobs: &[ScoringJob], judged: Vec<Judged>) -> Vec<Result<ScoredPhoto, NotScored>> {
     let doubted = doubted(jobs, &judged);
     let refused = |(job, judged): (&ScoringJob, Judged)| match judged.contradiction {
@@ -75,7 +74,7 @@ pub(super) fn refused(jobs: &[ScoringJob], judged: Vec<Judged>) -> Vec<Result<Sc
     jobs.iter().zip(judged).map(refused).collect()
 }
 
-/// The sessions, by index, whose list a photo contradicts that every run looks at.
+/// Returns the sessions, by index, whose list a photo contradicts that every run checks.
 fn doubted(jobs: &[ScoringJob], judged: &[Judged]) -> BTreeSet<usize> {
     let is_contradicted =
         |(job, judged): &(&ScoringJob, &Judged)| (job.is_checked || job.needs_tags()) && judged.contradiction.is_some();
@@ -83,7 +82,7 @@ fn doubted(jobs: &[ScoringJob], judged: &[Judged]) -> BTreeSet<usize> {
     contradicted.map(|(job, _)| job.session_index).collect()
 }
 
-/// In what a photo's tags contradict the list. A photo without a pose, or with an open one, contradicts nothing.
+/// Returns the contradiction between a photo's tags and the list. A photo without a pose, or with an open one, contradicts nothing.
 pub(super) fn contradiction(job: &ScoringJob, seen: &Observation) -> Option<NotScoredReason> {
     let (entry, session) = (job.entry, job.session);
     if seen.tags.is_empty() || entry.viewpoint.is_none() && entry.box_xyxy_px.is_none() {
@@ -112,7 +111,7 @@ pub(super) fn contradiction(job: &ScoringJob, seen: &Observation) -> Option<NotS
     })
 }
 
-/// What differs between a listed viewpoint and that of the tags, with both values.
+/// Returns the differences between a listed viewpoint and that of the tags, with both values.
 fn of_viewpoint(listed: &Viewpoint, located: &Located, bins: &Bins) -> Vec<String> {
     let (tags, sigma) = (&located.viewpoint, &located.sigma);
     let azimuth = turn(listed.azimuth_deg, tags.azimuth_deg);
@@ -154,7 +153,7 @@ fn of_viewpoint(listed: &Viewpoint, located: &Located, bins: &Bins) -> Vec<Strin
     said.collect()
 }
 
-/// From the middle of the bin that a viewpoint is in to the edge of it that is nearer.
+/// Returns the elevation from the middle of a viewpoint's bin to the nearer of its edges, degrees.
 fn half_pitch_deg(v: &Viewpoint, bins: &Bins) -> f64 {
     let centre = bins.bin_of(v).pitch_deg;
     let others = bins.pitch_deg.iter().map(|other| (other - centre).abs() / 2.0);
@@ -162,7 +161,7 @@ fn half_pitch_deg(v: &Viewpoint, bins: &Bins) -> f64 {
     nearest.unwrap_or(LONE_HALF_DEG)
 }
 
-/// That a listed box is not the model's, with both.
+/// Returns a sentence with both boxes if a listed box is not the model's.
 fn of_box(listed: &BoxPx, model: &BoxPx) -> Option<String> {
     let iou = listed.iou(model);
     let px = |b: &BoxPx| format!("[{:.0}, {:.0}, {:.0}, {:.0}]", b.x1, b.y1, b.x2, b.y2);

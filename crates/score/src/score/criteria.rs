@@ -1,20 +1,20 @@
-//! What the numbers mean: the choices of a run, and the definitions that stand beside its figures.
+//! Criteria of a run, and the definitions that stand beside its figures.
 
 use super::{ApDefinition, HIT_CONFIDENCE, MATCH_IOU, Protocol, Thresholds};
 
 /// The choices a figure depends on; stated wherever the figures are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Criteria {
-    /// The definition of average precision.
+    /// Definition of average precision.
     pub ap: ApDefinition,
-    /// A detection this confident counts as one; in [0.001, 1].
+    /// Confidence from which a detection counts as a hit, in [0.001, 1].
     pub hit_confidence: f64,
-    /// Whose protocol is followed, if any.
+    /// Protocol that is followed, if any.
     pub protocol: Option<Protocol>,
 }
 
 impl Default for Criteria {
-    /// COCO's 101-point AP, hits from confidence 0.5 up.
+    /// Returns COCO's 101-point AP, and hits from confidence 0.5 up.
     fn default() -> Criteria {
         Criteria {
             ap: ApDefinition::default(),
@@ -25,7 +25,7 @@ impl Default for Criteria {
 }
 
 impl Criteria {
-    /// As a protocol has them.
+    /// Returns the criteria of a protocol.
     pub fn of(protocol: Protocol) -> Criteria {
         Criteria {
             ap: protocol.ap(),
@@ -34,12 +34,12 @@ impl Criteria {
         }
     }
 
-    /// From which overlap with the truth box a detection is on the model; AP and reliability take 0.5 whatever it is.
+    /// Returns the IoU with the truth box from which a detection is on the model; AP and reliability take 0.5 whatever it is.
     pub fn match_iou(&self) -> f64 {
         self.protocol.map_or(MATCH_IOU, Protocol::match_iou)
     }
 
-    /// `≥`, or `>` where the protocol says so: what stands before a threshold.
+    /// Returns the sign before a threshold: `≥`, or `>` where the protocol says so.
     pub fn sign(&self) -> &'static str {
         if self.protocol.is_some_and(Protocol::is_strict) {
             ">"
@@ -48,7 +48,7 @@ impl Criteria {
         }
     }
 
-    /// From when on a detection of the class is a hit, in words.
+    /// Returns the condition for a detection of the class to be a hit, in words.
     pub fn hit(&self) -> String {
         let (sign, confidence, iou) = (self.sign(), self.hit_confidence, self.match_iou());
         format!("confidence {sign} {confidence} and IoU {sign} {iou}")
@@ -63,7 +63,7 @@ impl Criteria {
         }
     }
 
-    /// What each number means under these choices: (name, definition).
+    /// Returns (name, definition) of each figure under these criteria.
     pub fn definitions(&self) -> Vec<(&'static str, String)> {
         let confidence = format!("confidence {} {}", self.sign(), self.hit_confidence);
         let overlap = format!("IoU {} {}", self.sign(), self.match_iou());

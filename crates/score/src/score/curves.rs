@@ -1,4 +1,4 @@
-//! Whole curves where the figures are single points: precision over recall, and how often the model is found from each confidence up.
+//! Curves behind the figures: precision over recall, and the share of photos that show the model from each confidence up.
 
 use serde::Serialize;
 
@@ -24,7 +24,7 @@ pub struct CurvePoint {
     pub precision: f64,
 }
 
-/// How many photos show the model at some confidence or more.
+/// Share of photos that show the model at some confidence or more.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct HitRateFrom {
     pub confidence: f64,
@@ -34,7 +34,7 @@ pub struct HitRateFrom {
 
 const STEPS: u32 = 20;
 
-/// The curves of every detector on every variant, in the order of the summaries.
+/// Returns the curves of every detector on every variant, in the order of the summaries.
 pub fn curves(scores: &Scores) -> Vec<Curves> {
     scores.summaries.iter().filter_map(|s| curves_of(scores, s)).collect()
 }
@@ -45,7 +45,7 @@ fn curves_of(scores: &Scores, s: &Summary) -> Option<Curves> {
     let images = side.images(photos());
     let curve = Ranked::new(&images, MATCH_IOU).curve(|_| 1).unwrap_or_default();
     let found_from = |confidence: f64| {
-        // A photo without any find has confidence 0, and is none from 0 up either.
+        // A photo without any detection has confidence 0, and does not count from 0 up either.
         let finds = photos().filter(|p| side.outcome(p).confidence >= confidence.max(f64::MIN_POSITIVE));
         let rate = Rate::new(finds.count(), images.len())?;
         Some(HitRateFrom { confidence, rate })
@@ -59,7 +59,7 @@ fn curves_of(scores: &Scores, s: &Summary) -> Option<Curves> {
     })
 }
 
-/// The points at which recall begins or ends to rise: between two of them precision only falls.
+/// Returns the points at which recall begins or ends to rise: between two of them precision only falls.
 fn corners(curve: &[(f64, f64)]) -> Vec<CurvePoint> {
     let rises = |i: usize| i < curve.len() && curve[i].1 > i.checked_sub(1).map_or(0.0, |before| curve[before].1);
     let is_corner = |i: &usize| rises(*i) || rises(i + 1);

@@ -1,4 +1,4 @@
-//! The colours of a photo, decoded as large as somebody needs them.
+//! Colours of a photo, decoded at the sizes that detectors need.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use scaleproof_photo::photo::{Photo, PhotoError};
 /// The colours of a photo at the sizes that were requested.
 pub(super) struct DecodedPhoto<'a> {
     pub file: &'a Photo,
-    /// Each with the factor by which it is reduced.
+    /// Images, each with the factor by which it is reduced.
     images: Vec<(u32, Arc<RgbImage>)>,
 }
 
@@ -22,13 +22,13 @@ impl DecodedPhoto<'_> {
         }
     }
 
-    /// The photo at a size as OpenCV's linear resizing has it, where that takes less than the whole photo's colours.
+    /// Returns the photo at a size as OpenCV's linear resizing has it, where that takes less than the whole photo's colours.
     pub(super) fn opencv_linear(&self, size: [u32; 2]) -> Result<Option<RgbImage>, PhotoError> {
         timed(Stage::Colour, || self.file.rgb_opencv_linear(size))
     }
 
-    /// The photo, reduced as far as `least` (width, height) allows. Nothing else decides, so that every detector sees the same
-    /// image whichever others take part.
+    /// Returns the photo, reduced as far as `least` (width, height) allows. Nothing else decides, so that every detector sees the same image
+    /// whichever others take part.
     pub(super) fn at_least(&mut self, least: [u32; 2]) -> Result<&Arc<RgbImage>, PhotoError> {
         let reduction = self.file.reduction(least);
         let at = match self.images.iter().position(|(r, _)| *r == reduction) {

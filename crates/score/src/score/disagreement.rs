@@ -1,14 +1,14 @@
-//! AP and hit rate that tell different stories, explained where they stand: AP ranks weak finds too, a hit must be confident.
+//! Sentences on AP and hit rate that disagree: AP ranks weak detections too, a hit must be confident.
 
 use super::side::Side;
 use super::{ApDefinition, MATCH_IOU, ScoredPhoto, Scores, Summary, average_precision_as};
 use scaleproof_core::spelling::digits;
 use scaleproof_detect::Detection;
 
-/// From this difference on a reader wonders.
+/// Difference between AP and hit rate from which it is explained.
 const TELLING: f64 = 0.3;
 
-/// A sentence for each detector and variant whose AP and hit rate disagree.
+/// Returns a sentence for each detector and variant whose AP and hit rate disagree.
 pub fn disagreements(scores: &Scores) -> Vec<String> {
     scores.summaries.iter().filter_map(|s| explained(scores, s)).collect()
 }
@@ -54,7 +54,7 @@ struct Own<'a> {
 }
 
 impl Own<'_> {
-    /// YOLOv5's definition joins the last recall reached to recall 1 by a ramp, whose area counts.
+    /// Returns the part of YOLOv5's definition in the difference: it joins the last recall reached to recall 1 by a ramp, whose area counts.
     fn by_ramp(&self, ap50: f64) -> Option<String> {
         let is_ramp = self.scores.criteria.ap == ApDefinition::Yolov5Ramp;
         let images = is_ramp.then(|| self.side.images(self.photos.iter().copied()))?;
@@ -67,7 +67,7 @@ impl Own<'_> {
         })
     }
 
-    /// Finds too weak for a hit.
+    /// Returns the part of detections too weak for a hit.
     fn weak(&self) -> Option<String> {
         let outcomes = self.photos.iter().map(|p| self.side.outcome(p));
         let count = outcomes.filter(|o| o.confidence > 0.0 && !o.is_hit()).count();
@@ -79,7 +79,7 @@ impl Own<'_> {
         })
     }
 
-    /// Hits of a protocol that asks for less overlap than AP.
+    /// Returns the part of hits of a protocol that requires less overlap than AP.
     fn by_overlap(&self) -> Option<String> {
         let (side, least) = (self.side, self.scores.criteria.thresholds());
         let is_loose = |p: &&&ScoredPhoto| {

@@ -1,11 +1,11 @@
-//! Why a run could not finish.
+//! Error of a run that could not finish.
 
 use super::NotScored;
 use scaleproof_detect::{DetectError, OutsideError, ProgramError};
 use scaleproof_photo::photo::PhotoError;
 use scaleproof_pose::tags::StartError;
 
-/// Why a run could not finish. Bad photos are no reason: they are listed in `Scores::not_scored`.
+/// Reason why a run could not finish. Bad photos are none: they are listed in `Scores::not_scored`.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ScoreError {
@@ -32,7 +32,7 @@ pub enum ScoreError {
     )]
     NotCorruptible {
         detector: String,
-        /// As in "made worse".
+        /// Kind of change, as in "made worse".
         changed: &'static str,
     },
     #[error("all photos have the variant `{variant}`: there is no drop to follow on photos that are {changed}")]
@@ -53,7 +53,7 @@ pub enum ScoreError {
     Tags(#[from] StartError),
 }
 
-/// The error of a run whose photos were all left out; none without any photo.
+/// Returns the error of a run whose photos were all left out; none without any photo.
 pub(super) fn nothing_scored(photos: usize, first: Option<&NotScored>) -> Result<(), ScoreError> {
     let Some(NotScored { file, reason, .. }) = first.cloned() else {
         return Ok(());

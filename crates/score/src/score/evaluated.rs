@@ -14,18 +14,18 @@ use scaleproof_session::session::Session;
 /// A detector of a run.
 #[derive(Debug, Clone)]
 pub struct EvaluatedDetector {
-    /// What is known of it.
+    /// Description of the detector.
     pub manifest: Manifest,
-    /// Whether it runs or is played back.
+    /// Source of its detections.
     pub source: DetectionSource,
-    /// The detector's labels that count as the model, by their numbers, at least one.
+    /// Labels of the detector that count as the model, by their numbers, at least one.
     pub counted: Vec<usize>,
-    /// Whether it is tested with the others. Of one that is not, figures and intervals are all there is.
+    /// True if it is tested with the others. One that is not has figures and intervals alone.
     pub is_tested: bool,
 }
 
 impl EvaluatedDetector {
-    /// Whether it may look at the whole of a photo of this size, not at a reduced one.
+    /// Returns true if it may take the whole of a photo of this size, not a reduced one.
     pub(super) fn looks_at_whole(&self, size: [u32; 2]) -> bool {
         match &self.source {
             DetectionSource::Live(_) => self.manifest.least_px(size[0], size[1]) == size,
@@ -46,11 +46,11 @@ pub enum DetectionSource {
     Program(Arc<ProgramDetector>),
     /// A function of this process.
     Called(Arc<CalledDetector>),
-    /// Another program, which is not needed here: the photos were looked at elsewhere.
+    /// Another program that was run elsewhere, and is not needed here.
     Elsewhere(Box<ForeignCard>),
 }
 
-/// Why a detector cannot take part.
+/// Reason why a detector cannot take part.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum EvaluatedDetectorError {
@@ -69,13 +69,13 @@ pub enum EvaluatedDetectorError {
 const RECORDED: &str = "recorded";
 
 impl EvaluatedDetector {
-    /// A detector that will run.
+    /// Makes a detector that will run, from weights whose hash is checked.
     pub fn live(manifest: Manifest, folders: &WeightFolders, class: &Classes) -> Result<Self, EvaluatedDetectorError> {
         let source = DetectionSource::Live(folders.checked(&manifest)?);
         EvaluatedDetector::new(manifest, source, class)
     }
 
-    /// A detector played back from the recordings of some session folders.
+    /// Makes a detector that is played back from the recordings of some session folders.
     pub fn recorded(manifest: Manifest, sessions: &[&Path], class: &Classes) -> Result<Self, EvaluatedDetectorError> {
         let sessions = sessions.iter();
         let recordings = sessions.map(|folder| Recorded::open(&Self::recordings_of(folder), &manifest));
@@ -83,31 +83,31 @@ impl EvaluatedDetector {
         EvaluatedDetector::new(manifest, source, class)
     }
 
-    /// A detector that ran elsewhere, for shards: it needs no weights here.
+    /// Makes a detector that ran elsewhere, for shards: it needs no weights here.
     pub fn ran_elsewhere(manifest: Manifest, class: &Classes) -> Result<Self, EvaluatedDetectorError> {
         let source = DetectionSource::Live(PathBuf::from(&manifest.weights.file));
         EvaluatedDetector::new(manifest, source, class)
     }
 
-    /// A detector whose detections another program wrote into files.
+    /// Makes a detector whose detections another program wrote into files.
     pub fn outside(results: OutsideResults, class: &Classes) -> Result<Self, EvaluatedDetectorError> {
         let manifest = Manifest::of_foreign(results.card());
         EvaluatedDetector::new(manifest, DetectionSource::Outside(Arc::new(results)), class)
     }
 
-    /// A detector that is a program.
+    /// Makes a detector that is a program.
     pub fn program(program: ProgramDetector, class: &Classes) -> Result<Self, EvaluatedDetectorError> {
         let manifest = Manifest::of_foreign(program.card());
         EvaluatedDetector::mapped(manifest, DetectionSource::Program(Arc::new(program)), class)
     }
 
-    /// A detector that is a function of this process.
+    /// Makes a detector that is a function of this process.
     pub fn called(function: CalledDetector, class: &Classes) -> Result<Self, EvaluatedDetectorError> {
         let manifest = Manifest::of_foreign(function.card());
         EvaluatedDetector::mapped(manifest, DetectionSource::Called(Arc::new(function)), class)
     }
 
-    /// A detector whose class map was not read from a manifest.
+    /// Makes a detector whose class map was not read from a manifest, and is checked here.
     fn mapped(manifest: Manifest, source: DetectionSource, class: &Classes) -> Result<Self, EvaluatedDetectorError> {
         if let Some(fault) = manifest.class_map_fault() {
             let detector = manifest.name;
@@ -116,13 +116,13 @@ impl EvaluatedDetector {
         EvaluatedDetector::new(manifest, source, class)
     }
 
-    /// A detector of another program that looked at the photos elsewhere, for shards.
+    /// Makes a detector of another program that was run elsewhere, for shards.
     pub fn foreign_elsewhere(card: &ForeignCard, class: &Classes) -> Result<Self, EvaluatedDetectorError> {
         let source = DetectionSource::Elsewhere(Box::new(card.clone()));
         EvaluatedDetector::new(Manifest::of_foreign(card), source, class)
     }
 
-    /// What is known of a detector that another program runs or has run.
+    /// Returns the description of a detector that another program runs or has run.
     pub fn foreign(&self) -> Option<&ForeignCard> {
         match &self.source {
             DetectionSource::Live(_) | DetectionSource::Recorded(_) => None,
@@ -133,12 +133,12 @@ impl EvaluatedDetector {
         }
     }
 
-    /// Whether ONNX Runtime runs it.
+    /// Returns true if ONNX Runtime runs it.
     pub fn is_live(&self) -> bool {
         matches!(self.source, DetectionSource::Live(_))
     }
 
-    /// Where its detections come from, in a word.
+    /// Returns the source of its detections, in a word.
     pub fn source_name(&self) -> &'static str {
         match (self.foreign(), self.is_recorded()) {
             (Some(card), _) => card.kind.name(),
@@ -147,7 +147,7 @@ impl EvaluatedDetector {
         }
     }
 
-    /// Where a session's recordings lie.
+    /// Returns the folder of a session's recordings.
     pub fn recordings_of(session: &Path) -> PathBuf {
         session.join(RECORDED)
     }
@@ -161,23 +161,23 @@ impl EvaluatedDetector {
         })
     }
 
-    /// True when the detections are played back.
+    /// Returns true if the detections are played back.
     pub fn is_recorded(&self) -> bool {
         matches!(self.source, DetectionSource::Recorded(_))
     }
 
-    /// Whether a detection counts as the model, wherever it is.
+    /// Returns true if the label of a detection counts as the model, wherever its box is.
     pub fn counts(&self, detection: &Detection) -> bool {
         self.counted.contains(&detection.label)
     }
 
-    /// Names of its classes.
+    /// Returns the names of its classes.
     pub fn labels(&self) -> Labels {
         self.manifest.labels
     }
 
-    /// Which labels of a box become detections, by the detector's own rule: `best`, its best alone; `all`, each with its own confidence; `listed`, as the
-    /// network lists its boxes; `given`, as another program gives them.
+    /// Returns the detector's own rule by which labels of a box become detections: `best`, its best alone; `all`, each with its own confidence;
+    /// `listed`, as the network lists its boxes; `given`, as another program gives them.
     pub fn box_labels(&self) -> &'static str {
         let head = &self.manifest.head;
         match (self.foreign(), head.with_other_labels(), head.anchor_labels()) {
@@ -188,7 +188,7 @@ impl EvaluatedDetector {
         }
     }
 
-    /// SHA-256 of all that the manifest says except where it lies, and of the recordings that are played back.
+    /// Returns the SHA-256 of the manifest except its folder, and of the recordings that are played back.
     pub fn fingerprint(&self) -> String {
         let anywhere = Manifest {
             folder: None,
@@ -202,7 +202,7 @@ impl EvaluatedDetector {
     }
 }
 
-/// The detectors with the weights in `folders`, or played back from the recordings of the sessions without any.
+/// Returns the detectors with the weights in `folders`, or without any played back from the recordings of the sessions.
 pub fn evaluated_detectors(
     sessions: &[Session],
     manifests: Vec<Manifest>,

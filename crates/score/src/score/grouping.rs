@@ -11,11 +11,11 @@ use scaleproof_session::session::{PhotoEntry, Session};
 #[derive(Debug, Clone, PartialEq)]
 pub struct GroupBy {
     pub condition: String,
-    /// Numbers from 0 to below `step` are one group, and so on; else each value is one.
+    /// Width of a group: numbers from 0 to below `step` are one group, and so on. Without it each value is a group.
     pub step: Option<f64>,
 }
 
-/// Why there are no groups.
+/// Reason why there are no groups.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum GroupByError {
     #[error("`{0}` names no group: write a condition, as in weather, or one with a step, as in lux:100")]
@@ -23,7 +23,7 @@ pub enum GroupByError {
     #[error("no photo has the condition `{name}`; there {known}{hint}")]
     Unknown {
         name: String,
-        /// `are place, theta, weather`.
+        /// Known conditions, as in `are place, theta, weather`.
         known: String,
         hint: String,
     },
@@ -39,11 +39,11 @@ pub enum GroupByError {
     TooMany { condition: String, groups: usize },
 }
 
-/// More groups are no table.
+/// Largest number of groups of a table.
 const MOST_GROUPS: usize = 200;
 
-/// What a photo is grouped by when no condition of that name is given: the centre of its bin. `theta` and `phi` are PADetBench's: the angle
-/// from straight above, and the azimuth.
+/// Conditions that follow from the centre of a photo's bin, when none of that name is given. `theta` and `phi` are PADetBench's: the angle from
+/// straight above, and the azimuth.
 const OF_VIEWPOINT: [&str; 5] = ["azimuth", "distance", "phi", "pitch", "theta"];
 
 impl FromStr for GroupBy {
@@ -62,7 +62,7 @@ impl FromStr for GroupBy {
 }
 
 impl GroupBy {
-    /// The group of a photo; none for a photo without the condition.
+    /// Returns the group of a photo; `None` for a photo without the condition.
     pub(super) fn group_of(&self, photo: &ScoredPhoto) -> Option<String> {
         let value = value(photo, &self.condition)?;
         match self.step.zip(value.parse::<f64>().ok()) {
@@ -74,7 +74,7 @@ impl GroupBy {
         }
     }
 
-    /// Finds out before a run that photos will have the condition, and numbers where there are steps.
+    /// Checks before a run that photos will have the condition, and numbers where there are steps.
     pub fn check_sessions(&self, sessions: &[Session]) -> Result<(), GroupByError> {
         let entries = || sessions.iter().flat_map(|s| &s.photos);
         let is_given = entries().any(|p| p.conditions.contains_key(&self.condition));
@@ -104,7 +104,7 @@ impl GroupBy {
         Err(GroupByError::TooMany { condition, groups })
     }
 
-    /// `with` has the file and value of each photo that has the condition, `names` the conditions of all.
+    /// Checks values: `with` has the file and value of each photo that has the condition, `names` the conditions of all.
     fn check_values<'a>(
         &self,
         with: &[(&str, String)],
@@ -134,7 +134,7 @@ impl GroupBy {
     }
 }
 
-/// How many steps lie whole below a number of them; 0.3 / 0.1 is 2.9999999999999996, and means 3.
+/// Returns the number of whole steps in `steps`; 0.3 / 0.1 is 2.9999999999999996, and means 3.
 pub fn whole_steps(steps: f64) -> f64 {
     let nearest = steps.round();
     if (steps - nearest).abs() <= 1e-9 * nearest.abs() {
@@ -144,7 +144,7 @@ pub fn whole_steps(steps: f64) -> f64 {
     }
 }
 
-/// A condition of a photo: its own, or one that follows from its place and bin.
+/// Returns a condition of a photo: its own, or one that follows from its place and bin.
 fn value(photo: &ScoredPhoto, condition: &str) -> Option<String> {
     if let Some(own) = photo.conditions.get(condition) {
         return Some(own.clone());
@@ -163,12 +163,12 @@ fn value(photo: &ScoredPhoto, condition: &str) -> Option<String> {
     Some(plain(number))
 }
 
-/// A number without the digits that rounding adds.
+/// Formats a number without the digits that rounding adds.
 fn plain(number: f64) -> String {
     ((number * 1e6).round() / 1e6).to_string()
 }
 
-/// Groups in the order a reader expects: numbers by size, then texts.
+/// Sorts groups as a reader expects: numbers by size, then texts.
 pub(super) fn in_order(mut groups: Vec<String>) -> Vec<String> {
     let number = |group: &str| group.split(" to ").next().and_then(|first| first.parse::<f64>().ok());
     groups.sort_by(|a, b| match (number(a), number(b)) {

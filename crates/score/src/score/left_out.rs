@@ -1,4 +1,4 @@
-//! Photos that were left out of a run: why, and the one cause that most of them share.
+//! Photos that were left out of a run: their reasons, and the one cause that most of them share.
 
 use std::path::{Path, PathBuf};
 
@@ -8,14 +8,14 @@ use scaleproof_core::files;
 use scaleproof_pose::locate::{LocateFiles, MOST_LISTED, is_poor_fit};
 use scaleproof_session::session::{PhotoEntry, Session};
 
-/// What a session's photos are located with, and those that are; kept while the session itself is scored.
+/// Scene, camera and photos that a session's location needs; kept while the session itself is scored.
 pub struct SessionFiles {
     files: LocateFiles,
     photos: Vec<PathBuf>,
 }
 
 impl SessionFiles {
-    /// `None` for a session whose photos carry their truth, so that they are not located, and for one of a few photos.
+    /// Returns `None` for a session whose photos carry their truth, so that they are not located, and for one of a few photos or without a camera.
     pub fn new(session: &Session) -> Option<SessionFiles> {
         let has_truth = |p: &PhotoEntry| p.box_xyxy_px.is_some() && p.viewpoint.is_some();
         let located = session.photos.iter().filter(|photo| !has_truth(photo));
@@ -30,7 +30,7 @@ impl SessionFiles {
         (photos.len() > MOST_LISTED).then_some(SessionFiles { files, photos })
     }
 
-    /// The cause is sought by searching photos for tags of every family, which takes seconds: it is kept like what a photo shows.
+    /// Returns the cause, found by searching photos for tags of every family. The search takes seconds: its result is cached like those on photos.
     fn cause(&self, cache: Option<&Cache>) -> Option<String> {
         let sought = || self.files.cause_in_files(&self.photos);
         let Some((cache, key)) = cache.and_then(|cache| Some((cache, self.key(cache)?))) else {
@@ -43,7 +43,7 @@ impl SessionFiles {
         })
     }
 
-    /// By all that the cause depends on; `None` where a photo cannot be read any more.
+    /// Returns the key of all that the cause depends on; `None` where a photo cannot be read any more.
     fn key(&self, cache: &Cache) -> Option<Key> {
         let LocateFiles {
             scene,
@@ -58,8 +58,8 @@ impl SessionFiles {
     }
 }
 
-/// What a run gives, with the cause that photos share which were left out: in its error when nothing was scored, else among the cautions, so that
-/// it stands beside the figures too.
+/// Adds the cause that the left-out photos of a run share: to its error when nothing was scored, else to the cautions, so that it stands beside the
+/// figures too.
 pub fn explained(
     scores: Result<Scores, ScoreError>,
     sets: &[SessionFiles],
@@ -83,7 +83,7 @@ pub fn explained(
     }
 }
 
-/// Whether the tags of half of a session's photos fit the scene badly, though the photos were located.
+/// Returns true if the tags of half of a session's located photos fit the scene badly.
 fn fit_poorly(scores: &Scores, session: usize) -> bool {
     let Some(camera) = scores.sessions.get(session).and_then(|s| s.camera.as_ref()) else {
         return false;
@@ -100,7 +100,8 @@ fn fit_poorly(scores: &Scores, session: usize) -> bool {
     poor >= MOST_LISTED && 2 * poor >= placed.count()
 }
 
-/// Which photos were left out, but for near-copies, in lines: one by one, or only how many of a session where the cautions have the cause.
+/// Returns lines on the photos that were left out, but for near-copies: one by one, or only their number for a session whose cause is among the
+/// cautions.
 pub fn not_scored(scores: &Scores) -> Vec<String> {
     let grouped: Vec<&Session> = scores.sessions.iter().filter(|s| is_explained(scores, s)).collect();
     let groups = grouped.iter().map(|session| {
@@ -117,13 +118,13 @@ pub fn not_scored(scores: &Scores) -> Vec<String> {
     groups.chain(others).collect()
 }
 
-/// Whether a session's cause was found.
+/// Returns true if a session's cause was found.
 fn is_explained(scores: &Scores, session: &Session) -> bool {
     let name = format!("{}: ", session.name);
     is_alike(scores, session) && scores.causes.iter().any(|cause| cause.starts_with(&name))
 }
 
-/// Whether most photos of a session were left out. Sessions of one name cannot be told apart here: theirs are listed.
+/// Returns true if most photos of a session were left out. Sessions of one name cannot be told apart here: theirs are listed.
 fn is_alike(scores: &Scores, session: &Session) -> bool {
     let same_name = scores.sessions.iter().filter(|s| s.name == session.name);
     let left_out = left_out(scores, session).count();

@@ -1,4 +1,4 @@
-//! Photos, poses and detections become numbers: truth boxes, matching, AP, rates, drops.
+//! Figures from photos, poses and detections: truth boxes, matching, AP, rates, drops.
 
 pub mod cache;
 mod caution;
@@ -74,15 +74,15 @@ pub use summary::{Asr, BinFigures, CellFigures, ConditionFigures, Drop, Figures,
 pub use transfer::{TransferDrop, TransferRow, transfer};
 pub use worn::WornPattern;
 
-/// A detection counts for the model when their boxes overlap by at least this much.
+/// Least IoU with the truth box at which a detection counts for the model.
 pub const MATCH_IOU: f64 = 0.5;
 
-/// A photo counts as a hit when the matching detection is at least this confident, unless [`Criteria`] say otherwise.
+/// Least confidence of the matching detection at which a photo counts as a hit, unless [`Criteria`] say otherwise.
 pub const HIT_CONFIDENCE: f64 = 0.5;
 
 pub const BASE_VARIANT: &str = "normal";
 
-/// What the words of a comparison mean, stored beside its numbers: (name, definition).
+/// Returns (name, definition) of each word of a comparison; they are stored beside its numbers.
 pub fn comparison_definitions() -> impl Iterator<Item = (&'static str, &'static str)> {
     let lines = include_str!("compare/definitions.txt").lines();
     lines.filter_map(|line| line.split_once(" | "))

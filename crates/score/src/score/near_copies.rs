@@ -1,4 +1,5 @@
-//! Photos that show the same moment again: re-encoded, made smaller, or the next frame of a video. They are no evidence of their own, and count once.
+//! Near-copies: photos that show the same moment again, re-encoded, made smaller, or as the next frame of a video. They are no evidence of their own,
+//! and count once.
 
 use std::path::Path;
 
@@ -8,17 +9,19 @@ use scaleproof_core::geometry::angle::turn;
 use scaleproof_photo::photo::{Budget, Photo, bits_apart};
 use scaleproof_pose::locate::Sigma;
 
-/// Perceptual hashes of near-copies differ by so many of their 256 bits at most. Measured: JPEG qualities 20 to 90, 40 % of the size, or noise of 6 grey levels
-/// change 33 bits at most in 200 photos (51 in one, nearly black); views that differ change 55 and more, unless little but the background is seen.
+/// Largest number of the 256 bits in which perceptual hashes of near-copies differ. Measured: JPEG qualities 20 to 90, 40 % of the size, or noise of
+/// 6 grey levels change 33 bits at most in 200 photos (51 in one, nearly black); views that differ change 55 and more, unless little but the
+/// background is seen.
 const MOST_BITS: u32 = 48;
 
-/// The insides of the truth boxes of one photo differ by so many levels on average at most: JPEG quality 20 changes 3 of them, another texture 20 and more.
+/// Largest mean difference in levels between the insides of the truth boxes of one photo: JPEG quality 20 changes 3 of them, another texture 20 and
+/// more.
 const MOST_LEVELS: f64 = 8.0;
 
-/// The truth boxes of near-copies, as shares of their photos, have this IoU at least.
+/// Least IoU of the truth boxes of near-copies, as shares of their photos.
 const LEAST_IOU: f64 = 0.96;
 
-/// Viewpoints of near-copies differ by so many standard deviations of their difference at most, or by less than what a held camera moves between frames.
+/// Largest difference between viewpoints of near-copies, in its standard deviations; the next two allow for what a held camera moves between frames.
 const MOST_SIGMAS: f64 = 3.0;
 const STILL_DEG: f64 = 0.5;
 const STILL_SHARE: f64 = 0.005;
@@ -39,7 +42,7 @@ pub(super) fn counted_once(photos: Vec<ScoredPhoto>) -> (Vec<ScoredPhoto>, Vec<(
     (kept, copies)
 }
 
-/// Marks each photo that shows what an earlier one shows, wherever they are said to be and whatever the model is said to wear.
+/// Marks each photo that shows what an earlier one shows, whichever places and textures both are said to have.
 pub(super) fn mark_repeats(photos: &mut [ScoredPhoto]) {
     for i in 1..photos.len() {
         let (earlier, later) = photos.split_at_mut(i);
@@ -49,20 +52,20 @@ pub(super) fn mark_repeats(photos: &mut [ScoredPhoto]) {
     }
 }
 
-/// Whether two photos are one. Of two textures from one viewpoint the images are alike but for the model, so that the model itself is looked at; without previews
-/// only the same bytes are the same photo.
+/// Returns true if two photos are one. Of two textures from one viewpoint the images are alike but for the model, so that the model itself is
+/// compared; without previews only the same bytes are the same photo.
 fn is_repeat(a: &ScoredPhoto, b: &ScoredPhoto) -> bool {
     a.sha256 == b.sha256 || is_same_image(a, b) && shows_same_model(a, b).unwrap_or(false)
 }
 
-/// Whether the insides of both truth boxes are alike; `None` without previews.
+/// Returns true if the insides of both truth boxes are alike; `None` without previews.
 fn shows_same_model(a: &ScoredPhoto, b: &ScoredPhoto) -> Option<bool> {
     let (a, b) = (model_in_preview(a)?, model_in_preview(b)?);
     let apart: u32 = a.iter().zip(b.iter()).map(|(a, b)| u32::from(a.abs_diff(*b))).sum();
     Some(f64::from(apart) / a.len() as f64 <= MOST_LEVELS)
 }
 
-/// What is inside the truth box, reduced to a few pixels.
+/// Returns the inside of the truth box in the preview, reduced to a few pixels, as RGB bytes.
 fn model_in_preview(photo: &ScoredPhoto) -> Option<Vec<u8>> {
     const SIDE: u32 = 32;
     let preview = Photo::from_bytes(Path::new(&photo.file), photo.preview_jpeg.clone(), Budget::UPLOAD).ok()?;
@@ -88,7 +91,7 @@ fn is_same_image(a: &ScoredPhoto, b: &ScoredPhoto) -> bool {
     bits_apart(&a.hash, &b.hash) <= MOST_BITS && one.iou(&other) >= LEAST_IOU
 }
 
-/// Whether both were taken from one viewpoint, as far as poses tell; photos without a pose cannot contradict it.
+/// Returns true if both were taken from one viewpoint, as far as poses tell, or neither has a viewpoint.
 fn is_same_view(a: &ScoredPhoto, b: &ScoredPhoto) -> bool {
     let (Some(one), Some(other)) = (a.viewpoint, b.viewpoint) else {
         return a.viewpoint.is_none() && b.viewpoint.is_none();
@@ -97,7 +100,7 @@ fn is_same_view(a: &ScoredPhoto, b: &ScoredPhoto) -> bool {
         let sigmas = [a, b].map(|photo| photo.sigma.as_ref().map_or(0.0, of));
         MOST_SIGMAS * sigmas[0].hypot(sigmas[1])
     };
-    // Near the zenith azimuths mean little.
+    // Near the zenith differences of azimuth mean little.
     let across = one.pitch_deg.to_radians().cos();
     let azimuth = across * turn(one.azimuth_deg, other.azimuth_deg).abs();
     let pitch = (one.pitch_deg - other.pitch_deg).abs();

@@ -1,4 +1,4 @@
-//! What the pixels of a photo say: tags, detections, a preview. All that is slow is in here, and all of it can be kept.
+//! Observation of photos: tags, detections, a preview. All that is slow is in here, and all of it can be cached.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -21,16 +21,16 @@ use scaleproof_pose::scene::TagFamily;
 use scaleproof_pose::tags::{SeenTag, TagDetector, TagDetectorChoice};
 use scaleproof_session::session::{PhotoEntry, Session};
 
-/// How a run is done.
+/// Options of a run.
 #[derive(Debug)]
 pub struct Options {
-    /// Photos that are looked at side by side.
+    /// Number of photos that are observed in parallel.
     pub threads: usize,
-    /// Where results are kept for the next run.
+    /// Cache of results for the next run.
     pub cache: Option<Cache>,
-    /// What finds tags: this one changes results, and the cache is opened for it.
+    /// Tag detector: it changes results, and the cache is opened for it.
     pub tags: TagDetectorChoice,
-    /// Set from another thread, it ends the run after the photos that are in work.
+    /// Set to true from another thread, it ends the run after the photos that are in work.
     pub stop: Arc<AtomicBool>,
 }
 
@@ -45,31 +45,31 @@ impl Default for Options {
     }
 }
 
-/// All that a run needs to know of a photo's pixels. Poses, truth, hits and figures follow from it in no time.
+/// All that a run needs of a photo's pixels. Poses, truth, hits and figures follow from it in no time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Observation {
     /// SHA-256 of the file, hex.
     pub sha256: String,
-    /// Of the upright photo, in pixels.
+    /// Width of the upright photo, px.
     pub width: u32,
     pub height: u32,
-    /// How far EXIF turned the photo clockwise.
+    /// Degrees by which EXIF turned the photo clockwise.
     pub turned_deg: u32,
-    /// When and how it was taken, as EXIF says.
+    /// Time when it was taken, as EXIF says.
     pub taken: Option<String>,
     pub exposure: Option<String>,
-    /// Of the scene's tags, those that were needed for its pose. Empty when the session says where the model is, unless they are held against that.
+    /// Tags of the scene that were needed for its pose. Empty when the session says where the model is, unless that is checked by tags.
     pub tags: Vec<SeenTag>,
-    /// One list per detector, best first.
+    /// Detections, one list per detector, best first.
     pub detections: Vec<Vec<Detection>>,
     /// A small JPEG for the report; empty when it shows other photos.
     pub preview_jpeg: Vec<u8>,
-    /// By which near-copies are found.
+    /// Hash by which near-copies are found.
     pub hash: PerceptualHash,
 }
 
 impl Observation {
-    /// What a photo's file says before anything is looked for.
+    /// Returns the observation of a photo's file before anything is searched.
     fn unseen(photo: &Photo) -> Observation {
         let shot = photo.shot();
         Observation {
@@ -87,7 +87,7 @@ impl Observation {
     }
 }
 
-/// Why a photo is left out, as a sentence.
+/// Reason why a photo is left out, as a sentence.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, thiserror::Error)]
 #[error("{0}")]
 pub struct NotScoredReason(pub(super) String);
@@ -99,12 +99,12 @@ impl NotScoredReason {
 }
 
 pub(super) struct ScoringJob<'a> {
-    /// From 1, in the order of the sessions.
+    /// Number from 1, in the order of the sessions.
     pub id: u64,
     pub session_index: usize,
     pub session: &'a Session,
     pub entry: &'a PhotoEntry,
-    /// Whether the photo's tags are searched to hold them against the list, though the list says all that they would.
+    /// True if the photo's tags are searched to check the list, though the list says all that they would.
     pub is_checked: bool,
 }
 
@@ -132,7 +132,7 @@ impl ScoringJob<'_> {
         }
     }
 
-    /// Among the photos of the run, from 0.
+    /// Returns the index among the photos of the run, from 0.
     fn index(&self) -> usize {
         usize::try_from(self.id.saturating_sub(1)).unwrap_or(usize::MAX)
     }
@@ -142,13 +142,13 @@ impl ScoringJob<'_> {
     }
 }
 
-/// Where the model is in a photo, and from where it was seen.
+/// Ground truth box of the model in a photo, and the located pose.
 pub(super) struct PlacedModel {
     pub located: Option<Located>,
     pub truth: BoxPx,
 }
 
-/// The session's own truth and viewpoint where it has them, else from the tags; or why there is none.
+/// Returns the session's own truth and viewpoint where it has them, else those from the tags, or the reason why there is none.
 pub(super) fn place(job: &ScoringJob, seen: &Observation) -> Result<PlacedModel, NotScoredReason> {
     let scene = &job.session.scene;
     let given = job.entry.box_xyxy_px;
@@ -174,7 +174,7 @@ pub(super) fn place(job: &ScoringJob, seen: &Observation) -> Result<PlacedModel,
         .box_in_photo(&located.pose, &fitted.camera)
         .map_err(NotScoredReason::new)?;
     if located.warnings.contains(&Warning::OpenPose) {
-        // Only the bin is sure: the box must be the same by both poses.
+        // Only the bin is certain: the box must be the same by both poses.
         let rival = located.lone.as_ref().and_then(|lone| lone.rival);
         let other = rival.and_then(|rival| outline.box_in_photo(&rival.pose, &fitted.camera).ok());
         let iou = other.map_or(0.0, |other| truth.iou(&other));
@@ -191,11 +191,11 @@ pub(super) fn place(job: &ScoringJob, seen: &Observation) -> Result<PlacedModel,
     })
 }
 
-/// Boxes by the two poses of a lone tag are one box from this IoU on: the strictest threshold of COCO's average precision, at which the same detection
-/// is a hit by either.
+/// Least IoU at which boxes by the two poses of a lone tag are one box: the strictest threshold of COCO's average precision, at which the same
+/// detection is a hit by either.
 const SAME_BOX_IOU: f64 = 0.95;
 
-/// The least size that a perceptual hash is made from, px.
+/// Least size of the image that a perceptual hash is made from, px.
 const HASHED_FROM_PX: [u32; 2] = [64, 64];
 
 pub(super) struct Observer<'a> {
@@ -203,26 +203,26 @@ pub(super) struct Observer<'a> {
     detectors: &'a [EvaluatedDetector],
     runtime: Option<&'static Runtime>,
     cache: Option<&'a Cache>,
-    /// Photos of the whole run, of which this one may see a part.
+    /// Number of photos of the whole run, of which this one may see a part.
     photos: usize,
     tags: Box<dyn TagDetector>,
-    /// Opened when first needed, so that a run whose results are kept loads no network.
+    /// Detectors, opened when first needed, so that a run whose results are cached loads no network.
     loaded: Vec<Option<Detector>>,
 }
 
 pub(super) struct PhotoPart<'a> {
     pub path: &'a Path,
-    /// As the session names it.
+    /// File, as the session names it.
     pub file: &'a str,
     pub sha256: &'a str,
-    /// Where it is in the photo, px.
+    /// Place of the part in the photo, px.
     pub window: BoxPx,
-    /// What the image depends on besides the photo's content; `None` where it may be another one each time.
+    /// Name of all that the image depends on besides the photo's content; `None` where it may be another one each time.
     pub name: Option<&'a str>,
 }
 
 impl PhotoPart<'_> {
-    /// Detections in an image of the part, where they are in the photo.
+    /// Maps detections in an image of the part, of (width, height) in px, to the photo.
     fn in_photo(&self, found: Vec<Detection>, (width, height): (u32, u32)) -> Vec<Detection> {
         let BoxPx { x1, y1, x2, y2 } = self.window;
         let (across, down) = ((x2 - x1) / f64::from(width), (y2 - y1) / f64::from(height));
@@ -236,12 +236,12 @@ impl PhotoPart<'_> {
     }
 }
 
-/// Why a photo could not be observed.
+/// Reason why a photo could not be observed.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum Stop {
     #[error(transparent)]
     Photo(#[from] NotScoredReason),
-    /// The run ends.
+    /// Error that ends the run.
     #[error(transparent)]
     Run(#[from] ScoreError),
 }
@@ -270,7 +270,7 @@ impl From<PhotoError> for Stop {
     }
 }
 
-/// What a stop leaves: the outer error ends the run, the inner one only leaves the photo out.
+/// Splits the reasons: the outer error ends the run, the inner one only leaves the photo out.
 fn unless_run_ends<T>(seen: Result<T, Stop>) -> Result<Result<T, NotScoredReason>, ScoreError> {
     match seen {
         Ok(seen) => Ok(Ok(seen)),
@@ -298,7 +298,7 @@ impl<'a> Observer<'a> {
         })
     }
 
-    /// The outer error ends the run, the inner one only leaves the photo out.
+    /// Observes and places a photo: the outer error ends the run, the inner one only leaves the photo out.
     pub(super) fn photo(
         &mut self,
         job: &ScoringJob,
@@ -306,7 +306,7 @@ impl<'a> Observer<'a> {
         Ok(unless_run_ends(self.observe(job))?.map_err(|reason| job.left_out(reason)))
     }
 
-    /// A photo's tags, without a look of any detector; or why they cannot be searched.
+    /// Returns a photo's tags without running any detector, or the reason why they cannot be searched.
     pub(super) fn tags_alone(&mut self, job: &ScoringJob) -> Result<Result<Observation, NotScoredReason>, ScoreError> {
         let mut looked = || -> Result<Observation, Stop> {
             let photo = timed(Stage::Read, || Photo::open(&job.session.photo_path(job.entry)))?;
@@ -319,7 +319,7 @@ impl<'a> Observer<'a> {
         unless_run_ends(looked())
     }
 
-    /// Tags first: no detector looks at a photo that cannot be placed.
+    /// Observes a photo, tags first: no detector runs on one that cannot be placed.
     fn observe(&mut self, job: &ScoringJob) -> Result<(Observation, PlacedModel), Stop> {
         let photo = timed(Stage::Read, || Photo::open(&job.session.photo_path(job.entry)))?;
         let mut seen = Observation::unseen(&photo);
@@ -341,7 +341,7 @@ impl<'a> Observer<'a> {
         Ok((seen, place))
     }
 
-    /// The search stops where a pose says that nothing is missing, so that it depends on the scene and the camera, too.
+    /// Returns the tags of a photo. The search stops where a pose says that nothing is missing, so that it depends on the scene and the camera, too.
     fn tags(&mut self, session: &Session, photo: &Photo) -> Result<Vec<SeenTag>, Stop> {
         let scene = &session.scene;
         let camera = session.known_camera().map_err(NotScoredReason::new)?;
@@ -401,7 +401,7 @@ impl<'a> Observer<'a> {
         }
     }
 
-    /// What a program answers is kept for later runs only when it says that it always answers alike.
+    /// Returns the detections of a program. They are cached only when it says that it is deterministic.
     fn by_program(
         &mut self,
         program: &ProgramDetector,
@@ -427,8 +427,8 @@ impl<'a> Observer<'a> {
         Ok(found)
     }
 
-    /// What a detector finds in an image of a part of a photo, in the photo's pixels, or why it says nothing of it. `image` is called where nothing is
-    /// kept.
+    /// Returns the detections of a detector in an image of a part of a photo, in the photo's pixels, or the reason why there are none. `image` is
+    /// called where nothing is cached.
     pub(super) fn in_part(
         &mut self,
         index: usize,
@@ -474,7 +474,7 @@ impl<'a> Observer<'a> {
         })
     }
 
-    /// The key of what a network finds: also of its weights, and of how it is fed and read.
+    /// Returns the key of a network's detections: also of its weights, and of how it is fed and read.
     fn network_key(&self, index: usize, parts: &[&str]) -> Option<Key> {
         let manifest = &self.detectors[index].manifest;
         let read = format!("{:?} {:?} {:?}", manifest.input, manifest.head, manifest.labels);
@@ -496,7 +496,7 @@ impl<'a> Observer<'a> {
         self.cache.map(|cache| cache.key(parts))
     }
 
-    /// What the cache has under a key, else what `compute` gives, which is then kept.
+    /// Returns the cached value of a key, else that of `compute`, which is then cached.
     fn kept<T: Serialize + serde::de::DeserializeOwned>(
         &mut self,
         key: Option<Key>,

@@ -1,4 +1,4 @@
-//! What one detector made of one photo.
+//! Outcome of one detector on one photo.
 
 use serde::Serialize;
 
@@ -6,7 +6,7 @@ use super::EvaluatedDetector;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_detect::Detection;
 
-/// The colours of the borders that the paper draws around photos, the worst first.
+/// Verdict, with the colour of the border that the paper draws around photos, the worst first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -31,7 +31,7 @@ pub struct PhotoOutcome {
     pub false_positives: usize,
 }
 
-/// From where on a detection counts.
+/// Thresholds from which a detection counts.
 #[derive(Debug, Clone, Copy)]
 pub struct Thresholds {
     pub confidence: f64,
@@ -39,8 +39,8 @@ pub struct Thresholds {
 }
 
 impl PhotoOutcome {
-    /// Judges the detections of a photo against the model's truth box and the labels that count as it; those of too little confidence only lend
-    /// the photo theirs.
+    /// Judges the detections of a photo against the model's truth box and the labels that count as it; those below the hit confidence matter for
+    /// `confidence` alone.
     pub fn new(detections: &[Detection], truth: &BoxPx, counted: &[usize], least: Thresholds) -> PhotoOutcome {
         let hit_confidence = least.confidence;
         let on_model = || detections.iter().filter(|d| d.box_px.iou(truth) >= least.iou);
@@ -80,17 +80,17 @@ impl PhotoOutcome {
             .collect()
     }
 
-    /// True when the model was found as its class, whatever else lies on it.
+    /// Returns true if the model was found as its class, whatever else lies on it.
     pub fn is_hit(&self) -> bool {
         self.verdict != Verdict::Missed
     }
 
-    /// True when the model was found as something else only.
+    /// Returns true if the model was found as something else only.
     pub fn is_misclassified(&self) -> bool {
         !self.is_hit() && self.other.is_some()
     }
 
-    /// True when nothing at all was found where the model is.
+    /// Returns true if nothing at all was found where the model is.
     pub fn has_disappeared(&self) -> bool {
         !self.is_hit() && self.other.is_none()
     }

@@ -1,4 +1,4 @@
-//! Per-photo values: everything later tables are made of.
+//! Values of each photo, from which all tables are made.
 
 use serde::Serialize;
 
@@ -13,64 +13,64 @@ use scaleproof_session::session::Conditions;
 /// A photo that was scored.
 #[derive(Debug, Clone)]
 pub struct ScoredPhoto {
-    /// From 1, in the order of the sessions.
+    /// Number from 1, in the order of the sessions.
     pub id: u64,
     /// Index of its session in the run.
     pub session: usize,
-    /// As the session names it.
+    /// File, as the session names it.
     pub file: String,
     /// SHA-256 of the file, hex.
     pub sha256: String,
     /// The pattern on the model.
     pub variant: String,
-    /// Where it was taken.
+    /// Place where it was taken.
     pub place: Option<String>,
-    /// As the session states them.
+    /// Conditions, as the session states them.
     pub conditions: Conditions,
-    /// Of the upright photo, px.
+    /// Width of the upright photo, px.
     pub width: u32,
-    /// Of the upright photo, px.
+    /// Height of the upright photo, px.
     pub height: u32,
-    /// Absent only when the session gave the truth box and the tags gave no pose.
+    /// Viewpoint; absent only when the session gave the truth box and the tags gave no pose.
     pub viewpoint: Option<Viewpoint>,
     /// The bin of the viewpoint.
     pub bin: Option<Bin>,
     /// Ids of the tags behind the pose; empty when the session gave the viewpoint.
     pub tags: Vec<u32>,
-    /// Every tag that was seen, for the report.
+    /// Corners of every tag that was seen, for the report.
     pub tag_marks: Vec<TagMark>,
     /// Reprojection error of the pose.
     pub rms_px: Option<f64>,
     /// Standard deviations of the viewpoint, where it follows from the pose.
     pub sigma: Option<Sigma>,
-    /// When it was taken, as the session or EXIF says.
+    /// Time when it was taken, as the session or EXIF says.
     pub taken: Option<String>,
     /// Exposure time, aperture and sensitivity, as EXIF says.
     pub exposure: Option<String>,
     /// The ground truth box.
     pub truth: BoxPx,
-    /// True when the truth box came with the session instead of from the pose.
+    /// True if the truth box came with the session instead of from the pose.
     pub truth_given: bool,
-    /// One list per detector, best first.
+    /// Detections, one list per detector, best first.
     pub detections: Vec<Vec<Detection>>,
-    /// One per detector.
+    /// Outcomes, one per detector.
     pub outcomes: Vec<PhotoOutcome>,
     /// A small JPEG for the report.
     pub preview_jpeg: Vec<u8>,
-    /// By which near-copies are found.
+    /// Hash by which near-copies are found.
     pub hash: PerceptualHash,
-    /// How many near-copies count with it, besides itself.
+    /// Number of near-copies that count with it, besides itself.
     pub near_copies: usize,
-    /// The earlier photo of the run that shows the same moment, of whichever place, direction and texture that one is said to be.
+    /// Earlier photo of the run that shows the same moment, whichever place, direction and texture it is said to have.
     pub repeat_of: Option<String>,
 }
 
-/// Where a tag was seen in a photo.
+/// Corners of a tag in a photo.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TagMark {
     pub id: u32,
     pub corners_px: [[f64; 2]; 4],
-    /// True when the pose rests on it.
+    /// True if the pose rests on it.
     pub is_used: bool,
 }
 

@@ -3,10 +3,10 @@
 use super::decoded::DecodedPhoto;
 use scaleproof_photo::photo::{PhotoError, fitting, preview_jpeg, shrunk};
 
-/// More decoded than this make a page that no browser shows, and a run that no memory holds.
+/// Largest number of previews: more make a page that no browser shows, and a run that no memory holds.
 const MAX_PREVIEWS: usize = 1000;
 
-/// Longest side in pixels of the previews of so many photos: the fewer, the larger.
+/// Returns the longest side in px of the previews of `photos` photos: the fewer, the larger.
 pub(super) fn longest_side_px(photos: usize) -> u32 {
     match photos {
         0..=32 => 1200,
@@ -15,16 +15,17 @@ pub(super) fn longest_side_px(photos: usize) -> u32 {
     }
 }
 
-/// Whether the photo of this id (from 1) has a preview in a run of so many photos: all, or a thousand spread evenly.
+/// Returns true if the photo of this id (from 1) has a preview in a run of `photos` photos: all have one, or a thousand spread evenly.
 pub fn has_preview(id: u64, photos: usize) -> bool {
     let share = |id: u64| id as u128 * MAX_PREVIEWS as u128 / photos as u128;
     photos <= MAX_PREVIEWS || share(id) != share(id - 1)
 }
 
-/// A photo reduced as it is decoded may be so much smaller than the preview asked for: resizing a larger one would cost more than its decoding.
+/// Least size of a photo reduced as it is decoded, as a share of the preview's: resizing a larger one would cost more than its decoding.
 const NEARLY: f64 = 0.75;
 
-/// The photo with its longest side made `longest_side_px` at most, and [`NEARLY`] so many at least; never larger than it is.
+/// Returns the JPEG of a photo with its longest side at most `longest_side_px` and at least [`NEARLY`] of that; never larger than the photo, and
+/// empty where it cannot be encoded.
 pub(super) fn jpeg(decoded: &mut DecodedPhoto, longest_side_px: u32) -> Result<Vec<u8>, PhotoError> {
     let size = fitting([decoded.file.width, decoded.file.height], longest_side_px);
     let image = decoded.at_least(size.map(|side| (NEARLY * f64::from(side)).ceil() as u32))?;

@@ -2,7 +2,7 @@
 
 use super::{ApDefinition, MATCH_IOU};
 
-/// Whose figures a run is to be held against.
+/// Protocol whose figures a run can be compared with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Protocol {
     /// DTA (Suryanto et al., CVPR 2022).
@@ -23,7 +23,7 @@ pub enum Protocol {
 pub struct UnknownProtocol(String);
 
 impl Protocol {
-    /// All of them.
+    /// All protocols.
     pub const ALL: [Protocol; 5] = [
         Protocol::Dta,
         Protocol::Active,
@@ -32,18 +32,18 @@ impl Protocol {
         Protocol::Apricot,
     ];
 
-    /// The name that stands in every output.
+    /// Returns the name that stands in every output.
     pub fn name(self) -> &'static str {
         ["dta", "active", "padetbench", "armory", "apricot"][self as usize]
     }
 
-    /// The protocol of that name; the error lists the names.
+    /// Returns the protocol of that name; the error lists the names.
     pub fn from_name(name: &str) -> Result<Protocol, UnknownProtocol> {
         let named = Protocol::ALL.into_iter().find(|p| p.name() == name);
         named.ok_or_else(|| UnknownProtocol(name.to_owned()))
     }
 
-    /// Where the definitions come from, and what the source leaves open.
+    /// Returns the source of the definitions, and what it leaves open.
     pub fn source(self) -> &'static str {
         match self {
             Protocol::Dta => {
@@ -75,7 +75,7 @@ impl Protocol {
         }
     }
 
-    /// The definition of AP.
+    /// Returns the definition of AP.
     pub fn ap(self) -> ApDefinition {
         if self.is_strict() {
             ApDefinition::Voc11
@@ -84,12 +84,12 @@ impl Protocol {
         }
     }
 
-    /// From which overlap with the truth a detection is on the model.
+    /// Returns the IoU with the truth box from which a detection is on the model.
     pub fn match_iou(self) -> f64 {
         if self == Protocol::Apricot { 0.1 } else { MATCH_IOU }
     }
 
-    /// Whether a value must be above its threshold, and not only reach it.
+    /// Returns true if a value must be above its threshold, and not only reach it.
     pub fn is_strict(self) -> bool {
         matches!(self, Protocol::Armory | Protocol::Apricot)
     }

@@ -13,7 +13,7 @@ pub enum RecordError {
     File(#[from] FileError),
 }
 
-/// Finds out before a run that its detections can be stored, and, unless `replace`, that none are stored yet.
+/// Checks before a run that its detections can be stored, and, unless `replace`, that none are stored yet.
 pub fn check_recordings(
     sessions: &[Session],
     detectors: &[EvaluatedDetector],
@@ -28,6 +28,7 @@ pub fn check_recordings(
                 detector: stored.manifest.name.clone(),
             });
         }
+        files::chosen::check_folder(&session.folder, &folder)?;
         files::check_writable(&folder)?;
     }
     Ok(())
@@ -55,6 +56,8 @@ pub fn record(scores: &Scores) -> Result<(), RecordedError> {
             };
             let detections: Vec<_> = photos.iter().map(|p| p.detections[index].as_slice()).collect();
             let folder = EvaluatedDetector::recordings_of(&session.folder);
+            // It was checked before the run, and may be another by now.
+            files::chosen::check_folder(&session.folder, &folder)?;
             Recorded::save(&folder, &detector.manifest, recording, &detections)?;
         }
     }

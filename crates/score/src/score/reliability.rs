@@ -1,4 +1,4 @@
-//! Does a detector's confidence say how often it is right? Detections by confidence, against the share that is correct.
+//! Reliability of a detector's confidences: detections by confidence, against the share that is correct.
 
 use serde::Serialize;
 use statrs::distribution::{Binomial, Discrete};
@@ -6,10 +6,10 @@ use statrs::distribution::{Binomial, Discrete};
 use super::side::Side;
 use super::{EvaluatedDetector, MATCH_IOU, Rate, ScoredPhoto};
 
-/// Detections below this are left out: there are up to a hundred a photo, nearly all wrong and known to be.
+/// Confidence below which detections are left out: there are up to a hundred a photo, nearly all wrong and known to be.
 pub const RELIABILITY_FLOOR: f64 = 0.1;
 
-/// Steps of confidence from 0 to 1; the first lies below the floor.
+/// Number of steps of confidence from 0 to 1; the first lies below the floor.
 const STEPS: usize = 10;
 
 /// Confidence against correctness of one detector, over all variants.
@@ -39,7 +39,7 @@ pub struct ConfidenceBin {
     pub correct: Option<Rate>,
 }
 
-/// The reliability of every detector, in their order.
+/// Returns the reliability of every detector, in their order.
 pub fn reliability(photos: &[ScoredPhoto], detectors: &[EvaluatedDetector]) -> Vec<Reliability> {
     let of = |(side, detector): (Side, &EvaluatedDetector)| {
         let detections = photos.iter().flat_map(|p| judged(p, side));
@@ -48,8 +48,8 @@ pub fn reliability(photos: &[ScoredPhoto], detectors: &[EvaluatedDetector]) -> V
     Side::each(detectors).map(of).collect()
 }
 
-/// (confidence, correct) of the detections of the class in one photo. Correct is the first, in descending confidence, that
-/// overlaps the truth enough; every further one is a double, and wrong, as for AP.
+/// Returns (confidence, correct) of the detections of the class in one photo. Correct is the first, in descending confidence, that overlaps the truth
+/// enough; every further one is a double, and wrong, as for AP.
 fn judged(photo: &ScoredPhoto, side: Side) -> Vec<(f64, bool)> {
     let mut detections = side.boxes(photo).detections;
     detections.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -62,10 +62,10 @@ fn judged(photo: &ScoredPhoto, side: Side) -> Vec<(f64, bool)> {
 }
 
 impl Reliability {
-    /// The reliability of a detector, from (confidence, correct) of every detection.
+    /// Computes the reliability of a detector, from (confidence, correct) of every detection.
     pub fn new(detector: String, detections: &[(f64, bool)]) -> Reliability {
         let bins: Vec<ConfidenceBin> = (1..STEPS).map(|step| bin(step, detections)).collect();
-        // Over all bins: how many of the detections, times how far off.
+        // Mean over all bins, weighted by their numbers of detections.
         let mean = |off: fn(&ConfidenceBin) -> Option<f64>| {
             let weighted = bins.iter().filter_map(|b| Some(b.detections as f64 * off(b)?));
             (!detections.is_empty()).then(|| weighted.sum::<f64>() / detections.len() as f64)
@@ -94,8 +94,8 @@ fn bin(step: usize, detections: &[(f64, bool)]) -> ConfidenceBin {
     }
 }
 
-/// Mean distance of the share of successes in `n` trials from their probability `p`: 2 m C(n, m) pᵐ (1 − p)ⁿ⁻ᵐ⁺¹ / n with
-/// m = ⌊np⌋ + 1 (de Moivre 1730; Diaconis & Zabell 1991).
+/// Returns the mean distance of the share of successes in `n` trials from their probability `p`: 2 m C(n, m) pᵐ (1 − p)ⁿ⁻ᵐ⁺¹ / n with m = ⌊np⌋ + 1
+/// (de Moivre 1730; Diaconis & Zabell 1991).
 pub fn deviation(n: usize, p: f64) -> f64 {
     if n == 0 || p <= 0.0 || p >= 1.0 {
         return 0.0;

@@ -54,8 +54,8 @@ pub fn score(
     Ok(scores)
 }
 
-/// Looks at the photos of one shard only; [`merge`] judges them with the others. What the others show of a list is not known here: the tags of all
-/// photos are searched.
+/// Observes the photos of one shard only; [`merge`] judges them with the others. Contradictions that the others find are not known here: the tags of
+/// all photos are searched.
 pub fn observe(
     sessions: &[Session],
     detectors: &[EvaluatedDetector],
@@ -76,14 +76,14 @@ pub fn observe(
     })
 }
 
-/// A photo of which the pose is known, and what the work on it took.
+/// A photo of which the pose is known, and the time that each stage of the work took.
 pub struct TimedPhoto {
     /// The photo with its box and viewpoint, as a session has it that says where the model is.
     pub with_truth: PhotoEntry,
     pub ms: StageMs,
 }
 
-/// Times every photo on one thread with nothing kept, so many rounds after one that does not count. Photos that are left out are in no round.
+/// Times every photo on one thread without a cache, in `rounds` rounds after one that does not count. Photos that are left out are in no round.
 pub fn timed_photos(
     session: &Session,
     detectors: &[EvaluatedDetector],
@@ -126,7 +126,7 @@ pub fn timed_photos(
     Ok(timed)
 }
 
-/// Scores photos that shards have looked at; `runtime` is the ONNX Runtime they ran on.
+/// Scores photos that shards have observed; `runtime` is the ONNX Runtime they ran on.
 pub fn merge(
     sessions: Vec<Session>,
     detectors: Vec<EvaluatedDetector>,
@@ -154,7 +154,7 @@ pub fn merge(
     Scores::new(sessions, detectors, results, runtime)
 }
 
-/// Does `work` on every item, a photo of the sessions, with what looks at photos.
+/// Calls `work` on every item, a photo of the sessions, in parallel, with an observer for each thread.
 fn over_photos<T: Sync, R: Send>(
     sessions: &[Session],
     items: &[T],
@@ -200,7 +200,7 @@ fn check_alike(sessions: &[Session]) -> Result<(), ScoreError> {
     Err(ScoreError::DifferentScenes { a, b })
 }
 
-/// What a look at a photo comes to.
+/// Returns the result of observing a photo.
 fn judge(
     job: &ScoringJob,
     detectors: &[EvaluatedDetector],
@@ -213,7 +213,7 @@ fn judge(
     }
 }
 
-/// The per-photo values of a photo whose model was placed.
+/// Returns the values of a photo whose model was placed.
 fn scored(
     job: &ScoringJob,
     detectors: &[EvaluatedDetector],
@@ -257,7 +257,7 @@ fn scored(
     }
 }
 
-/// Where the tags were seen, by id, and which of them the pose rests on.
+/// Returns the corners of the tags, by id, and which of them the pose rests on.
 fn marks(seen: &[SeenTag], located: Option<&Located>) -> Vec<TagMark> {
     let mark = |tag: &SeenTag| TagMark {
         id: tag.id,

@@ -1,4 +1,4 @@
-//! The result of a run: what every photo showed, and the figures made of it.
+//! Result of a run: the values of every photo, and the figures made of them.
 
 use std::sync::OnceLock;
 
@@ -14,7 +14,7 @@ use scaleproof_plot::distinct;
 use scaleproof_pose::tags::TagDetectorChoice;
 use scaleproof_session::session::Session;
 
-/// Photos, the sessions they are from, and the detectors that looked at them.
+/// Photos, the sessions they are from, and the detectors that were run on them.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ScoredSet<'a> {
     pub photos: &'a [ScoredPhoto],
@@ -25,50 +25,50 @@ pub(super) struct ScoredSet<'a> {
 /// The result of a run.
 #[derive(Debug)]
 pub struct Scores {
-    /// What was scored.
+    /// Sessions whose photos were scored.
     pub sessions: Vec<Session>,
-    /// By which detectors.
+    /// Detectors that were evaluated.
     pub detectors: Vec<EvaluatedDetector>,
-    /// In the order of the sessions' lists.
+    /// Scored photos, in the order of the sessions' lists.
     pub photos: Vec<ScoredPhoto>,
     /// Near-copies, which count with another photo.
     copies: Vec<ScoredPhoto>,
     /// Photos that were left out, and why.
     pub not_scored: Vec<NotScored>,
-    /// Per detector and variant, detectors first.
+    /// Figures per detector and variant, detectors first.
     pub summaries: Vec<Summary>,
     /// The variant that drops are measured from.
     pub base: String,
-    /// A second plain round, which is no texture (`Scores::controlled_by`).
+    /// Variant that is a second round of the base, and no texture (`Scores::controlled_by`).
     pub control: Option<String>,
-    /// What the figures depend on; see [`Scores::judged_by`].
+    /// Criteria of the figures; see [`Scores::judged_by`].
     pub criteria: Criteria,
-    /// What a reader must know before believing the figures, as sentences.
+    /// Cautions about the figures, as sentences.
     pub cautions: Vec<String>,
-    /// Why most photos of a session were left out, found by whoever opened its files; among the cautions.
+    /// Reasons why most photos of a session were left out, found by whoever opened its files; among the cautions.
     pub causes: Vec<String>,
     /// Version and build of the ONNX Runtime; `None` when every detector was played back.
     pub runtime: Option<String>,
-    /// What found the tags.
+    /// Tag detector.
     pub tags: TagDetectorChoice,
     /// The file that changed how photos are located or figures computed, if any.
     pub settings: Option<AppliedSettings>,
-    /// What is left of the differences when photos get worse, where it was asked for.
+    /// Differences between variants on corrupted photos, on request.
     pub robustness: Option<Robustness>,
-    /// What is left of them when photos are defended, where it was asked for.
+    /// Differences between variants on defended photos, on request.
     pub defences: Option<Defences>,
-    /// The order of the variants against that in other sessions, where it was asked for.
+    /// Order of the variants against that in other sessions, on request.
     pub ranking: Option<Ranking>,
-    /// Of the textures whose patterns are known.
+    /// Patterns of the textures, as far as they are known.
     pub patterns: Vec<WornPattern>,
-    /// What the summaries group photos by, besides directions and places.
+    /// Conditions that the summaries group photos by, besides directions and places.
     groups: Vec<GroupBy>,
-    /// Each variant against the base, once it is asked for; none where it cannot be.
+    /// Each variant against the base, computed on first use; none where it cannot be.
     pub(super) paired: OnceLock<Option<Comparison>>,
 }
 
 impl Scores {
-    /// Puts the figures together, by the default criteria.
+    /// Computes the figures, by the default criteria.
     pub(super) fn new(
         sessions: Vec<Session>,
         detectors: Vec<EvaluatedDetector>,
@@ -129,14 +129,14 @@ impl Scores {
         }
     }
 
-    /// Every photo that was looked at, near-copies too, in the order of the sessions' lists.
+    /// Returns every photo that was observed, near-copies too, in the order of the sessions' lists.
     pub(crate) fn all_photos(&self) -> Vec<&ScoredPhoto> {
         let mut all: Vec<&ScoredPhoto> = self.photos.iter().chain(&self.copies).collect();
         all.sort_by_key(|photo| photo.id);
         all
     }
 
-    /// Lists near-copies among the photos again, for other programs that look at all of them.
+    /// Lists near-copies among the photos again, for other programs that take all of them.
     pub fn with_copies(mut self) -> Scores {
         self.photos.append(&mut self.copies);
         self.photos.sort_by_key(|photo| photo.id);
@@ -153,7 +153,7 @@ impl Scores {
             groups: &self.groups,
         };
         self.summaries = summary::summaries(&self.photos, &self.detectors, basis);
-        // What went wrong for most photos comes first.
+        // Causes for which most photos of a session were left out come first.
         self.cautions = self.causes.clone();
         self.cautions
             .extend(self.settings.iter().flat_map(AppliedSettings::cautions));
@@ -199,7 +199,7 @@ impl Scores {
         self
     }
 
-    /// Sets what photos are grouped by, and adds the figures of these groups to the run.
+    /// Sets the conditions that photos are grouped by, and adds the figures of these groups to the run.
     ///
     /// # Errors
     /// A condition that no photo has, or that makes no table.
@@ -210,23 +210,23 @@ impl Scores {
         Ok(self)
     }
 
-    /// What photos are grouped by.
+    /// Returns the conditions that photos are grouped by.
     pub(super) fn groups(&self) -> &[GroupBy] {
         &self.groups
     }
 
-    /// The variants in the order of the summaries: the base first.
+    /// Returns the variants in the order of the summaries: the base first.
     pub fn variants(&self) -> Vec<&str> {
         distinct(self.summaries.iter().map(|s| s.variant.as_str()))
     }
 
-    /// The figures of a detector on a variant.
+    /// Returns the figures of a detector on a variant.
     pub fn summary(&self, detector: &str, variant: &str) -> Option<&Summary> {
         let mut summaries = self.summaries.iter();
         summaries.find(|s| s.detector == detector && s.variant == variant)
     }
 
-    /// What people call a detector of this name.
+    /// Returns the title of the detector of this name.
     pub fn title<'a>(&'a self, detector: &'a str) -> &'a str {
         let found = self.detectors.iter().find(|d| d.manifest.name == detector);
         found.map_or(detector, |d| &d.manifest.title)

@@ -1,4 +1,4 @@
-//! How photos are located and AP is computed, where a file says so: what `advise` writes.
+//! Settings of a file by which photos are located and AP is computed; `advise` writes such files.
 
 use std::path::Path;
 
@@ -42,7 +42,7 @@ pub struct AppliedSettings {
 }
 
 impl AppliedSettings {
-    /// What a reader must know of them: none where poses and truth boxes are by the files of the session.
+    /// Returns cautions on the settings: none where poses and truth boxes are by the files of the session.
     pub(super) fn cautions(&self) -> Vec<String> {
         let camera = self.settings.lens_terms.map(|terms| {
             let kept = match terms {
@@ -57,11 +57,11 @@ impl AppliedSettings {
     }
 }
 
-/// The largest file that is read.
+/// Size of the largest file that is read, bytes.
 const MOST_BYTES: u64 = 1 << 20;
 
 impl Settings {
-    /// Reads a file, and finds out that its names are known.
+    /// Reads a file, and checks that its names are known.
     pub fn open(path: &Path) -> Result<AppliedSettings, FileError> {
         let bytes = files::read_at_most(path, MOST_BYTES)?;
         let sha256 = files::sha256_hex(&bytes);
@@ -94,7 +94,7 @@ impl Settings {
         named.map_err(|e| e.to_string())
     }
 
-    /// The session with the camera model and the truth boxes that are named.
+    /// Returns the session with the camera model and the truth boxes that are named.
     pub fn applied(&self, mut session: Session) -> Session {
         if let Some(terms) = self.lens_terms {
             session.camera = session.camera.map(|camera| {

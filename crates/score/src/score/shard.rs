@@ -1,4 +1,4 @@
-//! A large run in parts: each shard looks at some of the photos, anywhere, and leaves a file; merged, they are the whole run.
+//! A large run in parts: each shard observes some of the photos, anywhere, and leaves a file; merged, they are the whole run.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -14,19 +14,20 @@ use scaleproof_detect::{ForeignCard, Manifest};
 use scaleproof_pose::tags::TagDetectorChoice;
 use scaleproof_session::session::{Session, SessionError};
 
-/// What a shard says of its photos: their ids, and what was seen or why a photo was left out.
+/// Results of a shard: ids of photos, each with its observation or the reason why it was left out.
 pub type ShardObservations = Vec<(u64, Result<Observation, NotScoredReason>)>;
 
-/// Which photos a shard looks at.
+/// Number of a shard, by which it takes its photos.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ShardId {
-    /// From 1 to `count`.
+    /// Number from 1 to `count`.
     pub index: u64,
     pub count: u64,
 }
 
 impl ShardId {
-    /// Photos are dealt like cards, so that every shard gets some of each texture and all take about as long.
+    /// Returns true if the shard has this photo. Photos are dealt like cards, so that every shard gets some of each texture and all take about as
+    /// long.
     pub fn holds(&self, photo: u64) -> bool {
         photo % self.count == self.index % self.count
     }
@@ -35,7 +36,7 @@ impl ShardId {
         (1..=self.count).contains(&self.index)
     }
 
-    /// Reads `2/3`, `slurm`, or `k8s/3`. The environment is looked at only when it is named.
+    /// Parses `2/3`, `slurm`, or `k8s/3`. The environment is read only when it is named.
     pub fn parse(text: &str, environment: impl Fn(&str) -> Option<String>) -> Result<ShardId, ShardIdError> {
         let number = |name: &'static str| {
             let value = environment(name).ok_or(ShardIdError::NotSet { name })?;
@@ -83,7 +84,7 @@ impl FromStr for ShardId {
     }
 }
 
-/// Why it is not clear which shard is meant.
+/// Reason why it is not clear which shard is meant.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ShardIdError {
     #[error(
@@ -100,12 +101,12 @@ pub enum ShardIdError {
     Gaps { first: u64, last: u64, count: u64 },
 }
 
-/// What all shards of a run have in common.
+/// Sessions, detectors and versions that all shards of a run have in common.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Run {
     pub sessions: Vec<SessionSeen>,
     pub detectors: Vec<DetectorUsed>,
-    /// True when detections were played back.
+    /// True if detections were played back.
     pub is_recorded: bool,
     /// Version and build of the ONNX Runtime, if one ran.
     pub runtime: Option<String>,
@@ -114,7 +115,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// A run of detectors over sessions; `chosen_as` has the name or the manifest that chooses each detector again.
+    /// Describes a run of detectors over sessions; `chosen_as` has the name or the manifest that chooses each detector again.
     pub fn of(
         sessions: &[Session],
         detectors: &[EvaluatedDetector],
@@ -135,7 +136,7 @@ impl Run {
         })
     }
 
-    /// The sessions as they were when the shards were scored, with the same libraries.
+    /// Opens the sessions as they were when the shards were scored, with the same libraries.
     pub fn sessions(&self) -> Result<Vec<Session>, ShardError> {
         let (theirs, own) = (self.libraries.clone(), TagDetectorChoice::default().provenance());
         if theirs != own {
@@ -144,13 +145,13 @@ impl Run {
         self.sessions.iter().map(SessionSeen::opened).collect()
     }
 
-    /// The names and manifests that choose the detectors that are networks again.
+    /// Returns the names and manifests that choose the detectors that are networks again.
     pub fn chosen(&self) -> Vec<String> {
         let networks = self.detectors.iter().filter(|used| used.foreign.is_none());
         networks.map(|used| used.chosen_as.clone()).collect()
     }
 
-    /// The detectors as they were, given the manifests of those that are networks; they need no weights here.
+    /// Returns the detectors as they were, given the manifests of those that are networks; they need no weights here.
     pub fn detectors(
         &self,
         manifests: Vec<Manifest>,
@@ -182,7 +183,7 @@ impl Run {
     }
 }
 
-/// A session, and what it was made of.
+/// A session, and the hashes of its files.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SessionSeen {
     pub folder: PathBuf,
@@ -208,14 +209,14 @@ impl SessionSeen {
     }
 }
 
-/// A detector: how it was chosen, and what it was.
+/// A detector: its choice, and its fingerprint.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DetectorUsed {
     /// The name or the manifest that chooses it again.
     pub chosen_as: String,
     /// SHA-256 of its manifest, which names the weights by theirs, and of what was played back.
     pub fingerprint: String,
-    /// What is known of one that another program runs or has run.
+    /// Description of one that another program runs or has run.
     pub foreign: Option<ForeignCard>,
 }
 
@@ -254,7 +255,7 @@ pub enum ShardError {
     Missing {
         found: usize,
         count: u64,
-        /// The first of them, up to one more than the sentence names.
+        /// The first missing shards, up to one more than the sentence names.
         missing: Vec<u64>,
     },
     #[error("the shards were scored with {theirs}, and here is {own}: merge where they were scored")]
@@ -281,7 +282,7 @@ fn list_of(indices: &[u64]) -> String {
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// A shard file is this with the version, a line with the SHA-256 of the rest, and the rest.
+/// Head of a shard file, which goes on with the version, a line with the SHA-256 of the rest, and the rest.
 const MAGIC: &str = "scaleproof shard, version ";
 
 impl Shard {
@@ -289,7 +290,7 @@ impl Shard {
         let content = postcard::to_allocvec(self)?;
         let head = format!("{MAGIC}{VERSION}\n{}\n", files::sha256_hex(&content));
         let path = folder.join(self.id.file_name());
-        files::replace_atomically(&path, &[head.into_bytes(), content].concat())?;
+        files::replace_atomically(folder, &path, &[head.into_bytes(), content].concat())?;
         Ok(path)
     }
 
@@ -312,13 +313,13 @@ impl Shard {
     }
 }
 
-/// The first line as text, and what follows it.
+/// Returns the first line as text, and what follows it.
 fn line(bytes: &[u8]) -> Option<(&str, &[u8])> {
     let end = bytes.iter().take(100).position(|b| *b == b'\n')?;
     Some((std::str::from_utf8(&bytes[..end]).ok()?, &bytes[end + 1..]))
 }
 
-/// The run that some shards are all of, and what they saw, by photo id.
+/// A run that some shards are all of, and its observations by photo id.
 pub type WholeRun = (Run, BTreeMap<u64, Result<Observation, NotScoredReason>>);
 
 /// Puts the shards of one run together: every one once, and none of another run.

@@ -28,12 +28,12 @@ impl<'a> Side<'a> {
         &photo.outcomes[self.detector]
     }
 
-    /// 1 for a hit, 0 for a miss.
+    /// Returns 1 for a hit, 0 for a miss.
     pub(super) fn hit(self, photo: &ScoredPhoto) -> f64 {
         f64::from(u8::from(self.outcome(photo).is_hit()))
     }
 
-    /// The boxes of the model's class in one photo.
+    /// Returns the boxes of the model's class in one photo.
     pub(super) fn boxes(self, photo: &ScoredPhoto) -> ImageBoxes {
         let found = photo.detections[self.detector].iter();
         let counted = found.filter(|d| self.counted.contains(&d.label));
@@ -44,12 +44,12 @@ impl<'a> Side<'a> {
         }
     }
 
-    /// The boxes of the model's class in some photos.
+    /// Returns the boxes of the model's class in some photos.
     pub(super) fn images<'p>(self, photos: impl IntoIterator<Item = &'p ScoredPhoto>) -> Vec<ImageBoxes> {
         photos.into_iter().map(|photo| self.boxes(photo)).collect()
     }
 
-    /// The ranking behind the AP of some photos, each with its cluster.
+    /// Returns the ranking behind the AP of some photos, each with its cluster.
     pub(super) fn clustered<'p>(self, photos: impl Iterator<Item = (&'p ScoredPhoto, usize)>) -> ClusteredAp {
         let (images, cluster_of): (Vec<_>, Vec<_>) =
             photos.map(|(photo, cluster)| (self.boxes(photo), cluster)).unzip();
@@ -68,7 +68,7 @@ pub(super) struct ClusteredAp {
 }
 
 impl ClusteredAp {
-    /// AP when each cluster counts so many times. Every photo has its truth, so that every draw has a curve.
+    /// Computes AP when each cluster counts as often as `drawn` says. Every photo has its truth, so that every draw has a curve.
     pub(super) fn of_draw(&self, drawn: &[u32], definition: ApDefinition) -> f64 {
         let curve = self.ranked.curve(|image| drawn[self.cluster_of[image]]);
         curve.map_or(0.0, |curve| definition.of_curve(&curve))

@@ -1,4 +1,4 @@
-//! From per-photo values to figures per detector and variant: over all photos, per azimuth, per cell, per place.
+//! Figures per detector and variant, from per-photo values: over all photos, per azimuth, per cell, per place.
 
 use std::collections::BTreeMap;
 
@@ -24,7 +24,7 @@ pub struct Rate {
 }
 
 impl Rate {
-    /// So many of all; `None` of nothing.
+    /// Returns the rate of `count` photos among `all`; `None` among none.
     pub(super) fn new(count: usize, all: usize) -> Option<Rate> {
         let (low, high) = wilson_95(count, all)?;
         let rate = count as f64 / all as f64;
@@ -143,7 +143,7 @@ pub struct Summary {
     pub conditions: Vec<ConditionFigures>,
 }
 
-/// What summaries depend on besides photos and detectors.
+/// Choices that summaries depend on besides photos and detectors.
 #[derive(Clone, Copy)]
 pub(super) struct Basis<'a> {
     pub bins: &'a Bins,
@@ -153,7 +153,7 @@ pub(super) struct Basis<'a> {
     pub groups: &'a [GroupBy],
 }
 
-/// Figures of every detector on every variant, the base variant first, the others by name.
+/// Returns the figures of every detector on every variant, the base variant first, the others by name.
 pub(super) fn summaries(photos: &[ScoredPhoto], detectors: &[EvaluatedDetector], basis: Basis) -> Vec<Summary> {
     let mut summaries = Vec::new();
     for (side, detector) in Side::each(detectors) {
@@ -171,11 +171,11 @@ pub(super) fn summaries(photos: &[ScoredPhoto], detectors: &[EvaluatedDetector],
     summaries
 }
 
-/// Whose figures, and by which AP.
+/// Detector whose figures are computed, and definition of AP.
 type By<'a> = (Side<'a>, ApDefinition);
 
 impl Summary {
-    /// The figures alone, without drops; `None` without a photo of the variant.
+    /// Computes the figures alone, without drops; `None` without a photo of the variant.
     fn new(detector: &str, variant: String, photos: &[ScoredPhoto], side: Side, basis: Basis) -> Option<Summary> {
         let photos: Vec<&ScoredPhoto> = photos.iter().filter(|p| p.variant == variant).collect();
         let by_whom = (side, basis.ap);
@@ -240,12 +240,12 @@ impl Summary {
     }
 }
 
-/// A key that can be compared.
+/// Returns an azimuth as a key that can be compared, in thousandths of a degree.
 pub(super) fn thousandths(azimuth_deg: f64) -> i64 {
     (azimuth_deg * 1000.0).round() as i64
 }
 
-/// The figures of each group of photos; a photo without a key is in none.
+/// Returns the figures of each group of photos; a photo without a key is in none.
 fn by<K: Ord>(photos: &[&ScoredPhoto], side: By, key: impl Fn(&ScoredPhoto) -> Option<K>) -> BTreeMap<K, Figures> {
     let mut groups: BTreeMap<K, Vec<&ScoredPhoto>> = BTreeMap::new();
     for (photo, key) in photos.iter().filter_map(|p| Some((p, key(p)?))) {
@@ -268,7 +268,7 @@ fn by_condition(photos: &[&ScoredPhoto], side: By, group: &GroupBy) -> Vec<Condi
     values.map(of_value).collect()
 }
 
-/// The variants present, the base variant first.
+/// Returns the variants present, the base variant first.
 pub(super) fn variants(photos: &[ScoredPhoto], base: &str) -> Vec<String> {
     let mut variants: Vec<String> = photos.iter().map(|p| p.variant.clone()).collect();
     variants.sort_by_key(|v| (v != base, v.clone()));
@@ -276,7 +276,7 @@ pub(super) fn variants(photos: &[ScoredPhoto], base: &str) -> Vec<String> {
     variants
 }
 
-/// Figures of one detector on a group of photos; `None` for an empty group.
+/// Computes the figures of one detector on a group of photos; `None` for an empty group.
 fn figures(photos: &[&ScoredPhoto], (side, ap): By) -> Option<Figures> {
     let images = side.images(photos.iter().copied());
     let outcomes = || photos.iter().map(|p| side.outcome(p));

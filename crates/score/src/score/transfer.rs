@@ -1,4 +1,4 @@
-//! Does a pattern made against one detector work on the others? Drops as a matrix, pattern × detector.
+//! Transfer of a pattern made against one detector to the others: drops as a matrix, pattern × detector.
 
 use serde::Serialize;
 
@@ -20,7 +20,7 @@ pub struct TransferDrop {
     pub drop: Drop,
 }
 
-/// A row for every variant but the base, in the order of the summaries; none when the run has no base.
+/// Returns a row for every variant but the base, in the order of the summaries; none when the run has no base.
 pub fn transfer(summaries: &[Summary]) -> Vec<TransferRow> {
     let mut rows: Vec<TransferRow> = Vec::new();
     for (summary, drop) in summaries.iter().filter_map(|s| Some((s, s.drop?))) {

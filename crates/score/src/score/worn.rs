@@ -1,4 +1,4 @@
-//! The patterns that the textures of a run are, as far as they are known: no figure depends on them.
+//! Patterns of the textures of a run, as far as they are known: no figure depends on them.
 
 use serde::Serialize;
 

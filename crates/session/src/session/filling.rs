@@ -3,7 +3,7 @@
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
-use scaleproof_core::files::FileError;
+use scaleproof_core::files::{self, FileError};
 
 /// Its lock says that a run is filling the session.
 pub const MARK: &str = ".capture.lock";
@@ -22,12 +22,7 @@ pub enum FillingError {
 /// Another run is filling it; a folder that cannot be written.
 pub fn locked(folder: &Path) -> Result<File, FillingError> {
     let path = folder.join(MARK);
-    // A link may lead to a photo, and opening a pipe would wait for ever.
-    if std::fs::symlink_metadata(&path).is_ok_and(|about| !about.is_file()) {
-        return Err(FileError::content(&path, "it is no file that a capture made: remove it").into());
-    }
-    let opened = File::options().write(true).create(true).truncate(false).open(&path);
-    let file = opened.map_err(|e| FileError::write(&path, &e))?;
+    let file = files::chosen::mark(folder, &path)?;
     match file.try_lock() {
         Ok(()) => Ok(file),
         Err(TryLockError::WouldBlock) => {

@@ -75,7 +75,8 @@ impl NewSession<'_> {
         };
         files.push(("session.json".into(), Content::Bytes(list.to_json(&path)?.into_bytes())));
         if is_new {
-            let write = |(name, content): &(PathBuf, Content), folder: &Path| write(&folder.join(name), content);
+            let write =
+                |(name, content): &(PathBuf, Content), folder: &Path| write(folder, &folder.join(name), content);
             files::make_folder(&home, |folder| files.iter().try_for_each(|file| write(file, folder)))?
         } else {
             self.write_beside(files)?
@@ -103,17 +104,21 @@ impl NewSession<'_> {
         let mut write_all = || {
             for copies in files.chunk_by(|a, b| in_folder(a) == in_folder(b)) {
                 let folder = home.join(in_folder(&copies[0]));
+                files::chosen::check_folder(&home, &folder)?;
                 files::make_folder(&folder, |inside| {
                     let to = |name: &Path| inside.join(name.file_name().unwrap_or_default());
-                    copies.iter().try_for_each(|(name, content)| write(&to(name), content))
+                    copies
+                        .iter()
+                        .try_for_each(|(name, content)| write(inside, &to(name), content))
                 })?;
                 made.push(folder);
             }
-            files::replace_atomically(path, text.as_bytes())
+            files::replace_atomically(self.folder, path, text.as_bytes())
         };
         if let Err(e) = write_all() {
             // Copies that no list names would be taken for photos of nobody knows what.
-            made.iter().for_each(|folder| drop(std::fs::remove_dir_all(folder)));
+            made.iter()
+                .for_each(|folder| drop(files::chosen::remove_folder(&home, folder)));
             return Err(e.into());
         }
         Ok(list.photos)
@@ -131,7 +136,7 @@ impl NewSession<'_> {
                 return Err(NewSessionError::Other { path });
             }
         }
-        Ok(files::replace_all_atomically(&contents)?)
+        Ok(files::replace_all_atomically(self.folder, &contents)?)
     }
 
     /// The scene as the session names it: where it is when that is inside the session, else a copy with its mesh.
@@ -249,9 +254,9 @@ pub fn free_name(name: &str, taken: &mut BTreeSet<String>) -> String {
     names.find(|name| taken.insert(name.to_lowercase())).unwrap_or_default()
 }
 
-fn write(path: &Path, content: &Content) -> Result<(), FileError> {
+fn write(home: &Path, path: &Path, content: &Content) -> Result<(), FileError> {
     match content {
-        Content::Bytes(bytes) => files::replace_atomically(path, bytes),
+        Content::Bytes(bytes) => files::replace_atomically(home, path, bytes),
         Content::CopyOf(original) => files::copy(original, path),
     }
 }

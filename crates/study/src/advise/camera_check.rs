@@ -1,4 +1,4 @@
-//! Whether the camera file is that of the photos: the photos are split in halves, a camera is refitted to the tags of each, and is judged on the other half.
+//! Check of the camera file against the photos: they are split in halves, a camera is refitted to the tags of each, and is judged on the other half.
 
 use nalgebra::{Rotation3, Vector3};
 
@@ -12,21 +12,23 @@ use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::Scene;
 use scaleproof_rig::calibrate::{LensModel, View, refit};
 
-/// What is fitted again: what another focus, zoom or lens changes most; the other numbers of the file stay. More of them would fit the noise of half the photos.
+/// Model that is fitted again: the numbers that another focus, zoom or lens changes most; the others of the file stay. More of them would fit the
+/// noise of half the photos.
 const REFITTED: LensModel = LensModel::K1;
 
-/// Residuals of photos of one camera differ less than by this: the largest of the stored session is three times the smallest, and every other one zoomed by 3 % has 8 to 20 times its neighbours'.
+/// Ratio that the residuals of photos of one camera stay below: the largest of the stored session is three times the smallest, and every other one
+/// zoomed by 3 % has 8 to 20 times its neighbours'.
 const TIMES_WORSE: f64 = 4.0;
 
-/// A photo that the usual way locates, and predicts a left-out tag in.
+/// A photo that the usual way locates, and in which it predicts a left-out tag.
 pub(super) struct Judged<'a> {
     pub sample: &'a Sample,
     pub pose: &'a UsualPose,
     pub by_file: &'a Answer,
 }
 
-/// Every other photo is in the other half, so that both go round the model. `None` where the photos are too few, or a half determines no camera.
-/// `fits`: of all photos.
+/// Judges the camera file by cameras refitted to halves of the photos. Every other photo is in the other half, so that both go round the model.
+/// `None` where the photos are too few, or a half determines no camera. `fits`: of all photos.
 pub(super) fn check(photos: &[Judged], fits: &[Fit], (scene, camera): (&Scene, &Camera)) -> Option<CameraCheck> {
     if photos.len() < FEWEST_PHOTOS {
         return None;
@@ -69,7 +71,7 @@ pub(super) fn check(photos: &[Judged], fits: &[Fit], (scene, camera): (&Scene, &
     })
 }
 
-/// Whether tags disagree in a quarter of the photos or more, and fit so much worse there than in the best quarter that noise is no reason.
+/// Returns true if tags disagree in a quarter of the photos or more, and fit so much worse there than in the best quarter that noise is no reason.
 fn no_camera_fits(fits: &[Fit]) -> bool {
     let mut all: Vec<f64> = fits.iter().filter_map(|fit| fit.rms_px).collect();
     all.sort_by(f64::total_cmp);
@@ -81,14 +83,14 @@ fn no_camera_fits(fits: &[Fit]) -> bool {
     outlying >= 2 && 4 * outlying >= fits.len()
 }
 
-/// The camera of every other photo, from the first or the second on.
+/// Refits the camera to every other photo, from the first or the second on.
 fn refitted(photos: &[Judged], first: usize, scene: &Scene, camera: &Camera) -> Option<Camera> {
     let half = photos.iter().skip(first).step_by(2);
     let (views, poses): (Vec<View>, Vec<Rigid>) = half.map(|photo| known_points(photo.pose, scene, camera)).unzip();
     refit(REFITTED, camera, &views, poses)
 }
 
-/// The corners of the tags that the pose rests on, in the frame of the camera file's image, as which the photo was turned, and the pose in that frame.
+/// Returns the corners of the tags that the pose rests on, and the pose, both in the frame of the camera file's image: the photo's turn is undone.
 fn known_points(pose: &UsualPose, scene: &Scene, camera: &Camera) -> (View, Rigid) {
     let (mut points_mm, mut seen_px) = (Vec::new(), Vec::new());
     for seen in &pose.reference {
@@ -97,7 +99,7 @@ fn known_points(pose: &UsualPose, scene: &Scene, camera: &Camera) -> (View, Rigi
             seen_px.extend(seen.corners_px.map(|at| camera.unfitted_px(&pose.fitted, at)));
         }
     }
-    // What was turned clockwise is turned back: x to the right becomes y upwards.
+    // A clockwise turn is undone: x to the right becomes y upwards.
     let back = Rotation3::from_axis_angle(&Vector3::z_axis(), -f64::from(pose.fitted.turned_deg).to_radians());
     let turned = Rigid::from_parts(nalgebra::Translation3::identity(), back.into()) * pose.located.pose;
     (View { points_mm, seen_px }, turned)

@@ -1,4 +1,4 @@
-//! What the definition of AP and the envelope behind the truth boxes do to the findings of a session.
+//! Effect of the definition of AP and of the envelope behind the truth boxes on the findings of a session.
 
 use serde::Serialize;
 
@@ -12,7 +12,7 @@ pub struct FigureRow {
     pub variant: String,
     /// Definition of average precision: `coco-101`, `all-point`, `voc-11` or `yolov5-ramp`.
     pub definition: &'static str,
-    /// What truth boxes are drawn around: `box`, `hull` or `mesh`.
+    /// Envelope that truth boxes are drawn around: `box`, `hull` or `mesh`.
     pub envelope: &'static str,
     /// AP@0.5 of the base; `ap50` is that of the variant, `drop` base minus variant.
     pub base_ap50: f64,
@@ -20,7 +20,7 @@ pub struct FigureRow {
     pub drop: f64,
     /// 95 % interval of the drop; `null` with too few clusters, and when all clusters differ alike.
     pub drop_95: Option<Interval>,
-    /// What is shown of the mean confidence, on which the definition of AP has no bearing.
+    /// Effect on the mean confidence, on which the definition of AP has no bearing.
     pub effect: Effect,
     /// The drop minus that of the usual way, on the same photos, and in `moved_by_95` its 95 % interval; `null` for the usual way.
     pub moved_by: Option<f64>,
@@ -28,7 +28,7 @@ pub struct FigureRow {
 }
 
 impl FigureRow {
-    /// On which side of 0 the interval of the drop lies; 0 where it holds 0, or there is none.
+    /// Returns the side of 0 on which the interval of the drop lies; 0 where it holds 0, or there is none.
     fn side(&self) -> i8 {
         match self.drop_95 {
             Some(interval) if interval.low > 0.0 => 1,
@@ -38,7 +38,7 @@ impl FigureRow {
     }
 }
 
-/// What the drops of AP depend on, and whether the findings do.
+/// Dependence of the drops of AP, and of the findings, on the definition of AP and on the truth boxes.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct FigureAdvice {
     /// One for each detector, texture, definition of AP and truth box; those of the usual way first.
@@ -49,11 +49,12 @@ pub struct FigureAdvice {
     pub definition_moves: f64,
     /// The largest move of a drop when the box of the model's size replaces the outline; `null` where the box is the outline.
     pub box_moves: Option<f64>,
-    /// Whether the box changes no effect, takes no interval to another side of 0, and moves no drop by more than 0.01; `null` where the box is the outline.
+    /// True if the box changes no effect, takes no interval to another side of 0, and moves no drop by more than 0.01; `null` where the box is the
+    /// outline.
     pub box_is_enough: Option<bool>,
 }
 
-/// A drop of AP may move by this much.
+/// Largest move of a drop of AP at which the box is enough.
 pub(super) const BOX_MARGIN: f64 = 0.01;
 
 /// Compares the textures by every definition of AP, and by the box instead of the model's outline. `by_box`: the same photos scored by the box, where that is another envelope.
@@ -96,7 +97,7 @@ pub fn advise_figures(scores: &Scores, by_box: Option<&Scores>, base: &str) -> R
     })
 }
 
-/// The rows of a way to measure: of these scores, by a definition of AP. `usual`: what they are held against.
+/// Returns the rows of one way to measure: of these scores, by a definition of AP. `usual`: the way they are compared with.
 fn rows_of(
     (scores, definition): (&Scores, ApDefinition),
     usual: Option<(&Scores, ApDefinition)>,

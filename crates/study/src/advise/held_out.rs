@@ -1,4 +1,4 @@
-//! How far off a pose is, without knowing the truth: a tag is left out, and its corners are predicted from the others.
+//! Held-out error of a pose, which needs no truth: a tag is left out, and its corners are predicted from the others.
 
 use std::convert::Infallible;
 
@@ -17,14 +17,14 @@ use scaleproof_session::session::{PhotoEntry, Session};
 #[derive(Debug, Clone)]
 pub struct Sample {
     pub file: String,
-    /// Upright.
+    /// Luma of the upright photo.
     pub luma: GrayImage,
-    /// How far EXIF turned it.
+    /// Degrees by which EXIF turned the photo clockwise.
     pub turned_deg: u32,
 }
 
 impl Sample {
-    /// The photos of a session, decoded, and why some cannot be. `on_photo` is called after each, from any thread.
+    /// Decodes the photos of a session; returns them, and the reasons why some cannot be decoded. `on_photo` is called after each, from any thread.
     pub fn all_of(session: &Session, on_photo: impl Fn() + Sync) -> (Vec<Self>, Vec<PhotoError>) {
         let decoded = |(): &mut (), entry: &PhotoEntry| {
             let photo = Photo::open(&session.photo_path(entry));
@@ -54,13 +54,13 @@ pub(super) struct Answer {
 /// Tags in a photo, at the size at which they were found.
 pub(super) struct FoundTags {
     pub tags: Vec<SeenTag>,
-    /// How long finding them takes, where that is measured.
+    /// Time of finding them, ms, where it is measured.
     pub ms: f64,
     /// Width and height, px.
     pub size: (u32, u32),
 }
 
-/// Finds the tags of a photo that is reduced first, and how long that takes.
+/// Finds the tags of a photo that is reduced first, and measures the time of that.
 pub(super) fn find(
     sample: &Sample,
     (choice, reduced_by): (TagDetectorChoice, u32),
@@ -79,7 +79,8 @@ pub(super) fn find(
     FoundTags { tags, ms, size }
 }
 
-/// The pose by a way, and how well poses without a tag predict it. `reference`: the tags that are left out one by one, where they were seen at full size.
+/// Locates a photo by a way, and computes how well poses without a tag predict it. `reference`: the tags that are left out one by one, as they were
+/// seen at full size.
 pub(super) fn answer(
     way: &Way,
     sample: &Sample,
@@ -115,7 +116,8 @@ pub(super) fn answer(
     }
 }
 
-/// The tags without one, the largest alone, and the scene as if the others were not there: otherwise a lone tag is doubted because they are not seen.
+/// Returns the tags without one, the largest alone, and the scene as if the others were not there: otherwise a lone tag is doubted because they are
+/// not seen.
 fn limited(most: Option<usize>, seen: &[SeenTag], scene: &Scene, without: Option<&SeenTag>) -> (Vec<SeenTag>, Scene) {
     let is_known = |tag: &SeenTag| scene.tag(tag.family, tag.id).is_some();
     let (mut tags, mut scene) = (seen.to_vec(), scene.clone());
@@ -141,7 +143,7 @@ fn area_px(tag: &SeenTag) -> f64 {
     doubled.abs() / 2.0
 }
 
-/// Root mean square over the corners. `scale`: width of the image that the camera fits over that in which the tag was seen.
+/// Computes the root mean square distance over the corners, px. `scale`: width of the image that the camera fits over that in which the tag was seen.
 fn distance_px(located: &Located, tag: &Tag, seen: &SeenTag, camera: &Camera, scale: f64) -> Option<f64> {
     let mut sum = 0.0;
     for (corner, at) in tag.corners_mm().iter().zip(seen.corners_px) {

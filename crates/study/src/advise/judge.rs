@@ -1,4 +1,4 @@
-//! Which ways are enough.
+//! Verdicts on the ways of each step.
 
 use super::AdviseError;
 use super::held_out::Answer;
@@ -43,7 +43,7 @@ pub(super) fn put_together(
     Ok(advice)
 }
 
-/// Why the session cannot tell, if so, and what would help.
+/// Returns the reason why the session cannot tell, if so, and a remedy.
 fn abstention(photos: usize, held_out_photos: usize, disagreeing: usize) -> Option<String> {
     let remedy = if disagreeing > 0 && held_out_photos + disagreeing >= FEWEST_PHOTOS {
         format!(
@@ -63,7 +63,7 @@ fn abstention(photos: usize, held_out_photos: usize, disagreeing: usize) -> Opti
     })
 }
 
-/// The answers to one question, the smallest that nothing speaks against marked.
+/// Judges the answers to one question, and marks the smallest that nothing speaks against.
 fn judged(own: &[(&Way, Vec<&Answer>)], usual: &[&Answer], held_out_photos: usize) -> Vec<Choice> {
     let lost = |answers: &[&Answer]| {
         let both = answers.iter().zip(usual);
@@ -100,7 +100,7 @@ fn choice(way: &Way, answers: &[&Answer], (usual, best): (&[&Answer], &[&Answer]
     let both = answers.iter().zip(usual);
     let both = both.filter_map(|(own, usual)| own.located.as_ref().zip(usual.located.as_ref()));
     let other_bin = both.filter(|(own, usual)| own.bin != usual.bin).count();
-    // Without an interval every resampling says the same.
+    // Without an interval all resamples agree.
     let is_shown = worse_by_95.map_or(own > of_best, |interval| interval.low > 0.0) && paired.photos() >= FEWEST_PHOTOS;
     let less_certain_by = moved.less_certain_by.filter(|_| way.question == Question::Tags);
     let verdict = match () {

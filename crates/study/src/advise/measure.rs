@@ -1,4 +1,4 @@
-//! What one photo says of every way.
+//! Answers of every way on one photo.
 
 use std::collections::BTreeMap;
 
@@ -14,17 +14,17 @@ use scaleproof_pose::tags::{SeenTag, TagDetector, TagDetectorChoice};
 pub(super) type Opened = BTreeMap<TagDetectorChoice, Box<dyn TagDetector>>;
 
 pub(super) struct Measured {
-    /// By the ways, in their order.
+    /// Answers by the ways, in their order.
     pub answers: Vec<Answer>,
-    /// Absent where the usual way finds no pose.
+    /// Pose by the usual way; absent where it finds none.
     pub usual: Option<UsualPose>,
     pub fit: Fit,
 }
 
-/// How well a photo's tags fit scene and camera, by the usual way.
+/// Fit of a photo's tags to scene and camera, by the usual way.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Fit {
-    /// Whether they disagree: the photo is refused therefore, or fits poorly.
+    /// True if they disagree: the photo is refused therefore, or fits poorly.
     pub disagrees: bool,
     /// Root mean square residual, px: infinite where it is refused therefore, absent where there is no pose for another reason.
     pub rms_px: Option<f64>,
@@ -40,17 +40,17 @@ impl Fit {
     }
 }
 
-/// What the usual way makes of a photo.
+/// Result of the usual way on a photo.
 pub(super) struct UsualPose {
-    /// The camera as it fits the photo.
+    /// Camera, fitted to the photo.
     pub fitted: FittedCamera,
     pub located: Located,
     pub seen: FoundTags,
-    /// Those that the pose rests on: they are left out one by one.
+    /// Tags that the pose rests on: they are left out one by one.
     pub reference: Vec<SeenTag>,
 }
 
-/// Measures every way on a photo; a way that several questions share, once.
+/// Measures every way on a photo; a way that several questions share is measured once.
 pub(super) fn measure(
     sample: &Sample,
     ways: &[Way],

@@ -1,4 +1,5 @@
-//! What a session needs: each step from a photo to a figure, done in smaller and larger ways on its own photos, and the smallest that is not shown worse.
+//! Advice on a session: each step from a photo to a figure, done in smaller and larger ways on its own photos, and the smallest that is not shown
+//! worse.
 //!
 //! No truth is needed: a pose is judged by how well it predicts the corners of a tag that it was not made of (`held_out.rs`).
 
@@ -30,7 +31,7 @@ pub use table::{settings, table};
 pub use way::Question;
 use way::Way;
 
-/// Why nothing can be advised.
+/// Reason why nothing can be advised.
 #[derive(Debug, thiserror::Error)]
 pub enum AdviseError {
     #[error("the session has no photo")]
@@ -43,7 +44,7 @@ pub enum AdviseError {
     Size { file: String, fault: SizeError },
 }
 
-/// Why no photo is located, where tags say so.
+/// Returns the part of a sentence on photos whose tags disagree; empty without any.
 fn also(disagreeing: usize) -> String {
     let photos = (disagreeing > 0).then(|| count(disagreeing, "photo"));
     photos.map_or(String::new(), |photos| {
@@ -84,7 +85,7 @@ pub fn advise_poses(
     judge::put_together(&ways, &answers, (disagreeing, camera_check))
 }
 
-/// The photos that the camera file can be judged by.
+/// Returns the photos by which the camera file can be judged.
 fn judged<'a>(samples: &'a [Sample], ways: &[Way], measured: &'a [Measured]) -> Vec<Judged<'a>> {
     let Some(usual) = ways.iter().position(Way::is_usual) else {
         return Vec::new();

@@ -53,7 +53,7 @@ fn capital(title: &str) -> String {
     first.into_iter().flatten().chain(letters).collect()
 }
 
-/// Drops by each definition of AP, and by the box.
+/// Renders the drops by each definition of AP, and by the box.
 fn of_figures(figures: &FigureAdvice) -> Markup {
     html! {
         @for sentence in findings(figures) { p { (sentence) "." } }

@@ -1,13 +1,13 @@
-//! Two ways on the same photos: their held-out errors, and how far apart they put the camera.
+//! Two ways on the same photos: their held-out errors, and the distance between their viewpoints.
 
 use super::held_out::Answer;
 use scaleproof_core::statistics::{FEWEST_CLUSTERS, Interval, intervals_95, upper_median};
 use scaleproof_pose::locate::Located;
 
-/// A held-out error may be larger than the smallest by this share of it.
+/// Share of the smallest held-out error by which another may be larger.
 pub(super) const MARGIN: f64 = 0.05;
 
-/// Photos of which two ways must be able to predict a tag before any is judged.
+/// Least number of photos in which two ways must predict a tag before any is judged.
 pub(super) const FEWEST_PHOTOS: usize = FEWEST_CLUSTERS;
 
 /// Held-out errors of two ways, where both have one, degrees.
@@ -23,12 +23,12 @@ impl PairedErrors {
         self.0.len()
     }
 
-    /// NaN without a photo.
+    /// Returns both means, degrees; NaN without a photo.
     pub(super) fn means(&self) -> [f64; 2] {
         self.weighted(&vec![1; self.photos()])
     }
 
-    /// Of the first minus the second, over resamples of the photos.
+    /// Returns the 95 % interval of the first mean minus the second, over resamples of the photos.
     pub(super) fn difference_95(&self) -> Option<Interval> {
         let [interval] = intervals_95(self.photos(), |times| {
             let [a, b] = self.weighted(times);
@@ -44,18 +44,19 @@ impl PairedErrors {
     }
 }
 
-/// How far apart two ways put the camera, the middle photo of those that both locate.
+/// Difference between the viewpoints of two ways, in the middle photo of those that both locate.
 pub(super) struct Moved {
     pub deg: Option<f64>,
     pub mm: Option<f64>,
     /// Photos whose direction differs by more than [`MOST_SIGMAS`] standard deviations of the second pose.
     pub beyond_doubt: usize,
-    /// By what share the directions are less certain, where the first pose rests on part of what the second rests on: what an efficient estimate is moved by when data
-    /// are left out has nothing in common with its own error (J. A. Hausman, Specification Tests in Econometrics, Econometrica 46, 1978), so the squares add up.
+    /// Share by which the directions are less certain, where the first pose rests on part of what the second rests on: the change of an efficient
+    /// estimate when data are left out is uncorrelated with its own error (J. A. Hausman, Specification Tests in Econometrics, Econometrica 46,
+    /// 1978), so the squares add up.
     pub less_certain_by: Option<f64>,
 }
 
-/// A direction that moves by more of its standard deviations is another pose, or a far less certain one.
+/// Number of standard deviations beyond which a moved direction is another pose, or a far less certain one.
 const MOST_SIGMAS: f64 = 5.0;
 
 impl Moved {
@@ -81,7 +82,7 @@ impl Moved {
     }
 }
 
-/// Between the directions in which two viewpoints lie.
+/// Returns the angle between the directions of two viewpoints, degrees.
 fn direction_deg(a: &Located, b: &Located) -> f64 {
     let direction = |located: &Located| {
         let seen = located.viewpoint;

@@ -1,4 +1,4 @@
-//! What is said of a session.
+//! Result of the advice on a session.
 
 use serde::Serialize;
 
@@ -30,9 +30,9 @@ pub struct Choice {
     pub worse_by_deg: Option<f64>,
     /// 95 % interval of `worse_by_deg`; `null` with too few photos, and when all resamples agree.
     pub worse_by_95: Option<Interval>,
-    /// How far the direction moves from that of the usual way, in the middle photo; `null` without one.
+    /// Angle between the direction and that of the usual way, in the middle photo; `null` without one.
     pub moved_deg: Option<f64>,
-    /// How far the distance moves from that of the usual way, in the middle photo; `null` without one.
+    /// Difference of the distance from that of the usual way, in the middle photo; `null` without one.
     pub moved_mm: Option<f64>,
     /// Photos that are in another bin than by the usual way.
     pub other_bin: usize,
@@ -46,7 +46,7 @@ pub struct Choice {
     pub viewpoints: Vec<Option<Viewpoint>>,
 }
 
-/// What speaks against a way.
+/// Verdict on a way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -78,11 +78,11 @@ pub struct Advice {
     /// Photos that could not be read, which nothing here is of.
     pub unreadable: usize,
     pub poses: PoseAdvice,
-    /// What detectors say; `null` where none looked.
+    /// Advice on figures, by detectors; `null` where none looked.
     pub figures: Option<FigureAdvice>,
 }
 
-/// What a session says about the ways to locate its photos.
+/// Advice on the ways to locate the photos of a session.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct PoseAdvice {
     /// Photos that could be read.
@@ -93,11 +93,11 @@ pub struct PoseAdvice {
     pub held_out_photos: usize,
     /// Photos whose tags disagree with scene and camera: refused therefore, or fitted poorly.
     pub disagreeing: usize,
-    /// Whether the camera file is that of these photos; `null` where they cannot tell.
+    /// Check of the camera file against these photos; `null` where they cannot tell.
     pub camera_check: Option<CameraCheck>,
     /// Ways to locate photos, step by step; empty where the session cannot tell.
     pub choices: Vec<Choice>,
-    /// Why there is no answer, and what photo or print would give one; `null` where there is one.
+    /// Reason why there is no answer, and what photo or print would give one; `null` where there is one.
     pub abstention: Option<String>,
 }
 
@@ -116,18 +116,18 @@ pub struct CameraCheck {
     /// fx of the file, and of the two halves, px.
     pub focal_px: f64,
     pub refitted_focal_px: [f64; 2],
-    /// How far the halves' image centres are from that of the file, px.
+    /// Distances of the halves' image centres from that of the file, px.
     pub centre_moved_px: [f64; 2],
     /// First coefficient of the lens model, of the file; `refitted_k1` has those of the two halves.
     pub k1: f64,
     pub refitted_k1: [f64; 2],
-    /// How far the direction (`moved_deg`) and the distance (`moved_mm`) move with the refitted camera, middle photo.
+    /// Change of the direction (`moved_deg`) and of the distance (`moved_mm`) with the refitted camera, middle photo.
     pub moved_deg: f64,
     pub moved_mm: f64,
     pub verdict: CameraVerdict,
 }
 
-/// What the photos say of the camera file.
+/// Verdict of the photos on the camera file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum CameraVerdict {
@@ -144,7 +144,7 @@ impl PoseAdvice {
         self.choices.iter().filter(move |choice| choice.question == question)
     }
 
-    /// The one that is advised; none where the session cannot tell.
+    /// Returns the choice that is advised; `None` where the session cannot tell.
     pub fn advised(&self, question: Question) -> Option<&Choice> {
         self.choices_for(question)
             .find(|choice| choice.verdict == Verdict::Advised)

@@ -7,7 +7,7 @@ use scaleproof_core::spelling::{count, digits};
 use scaleproof_core::statistics::Interval;
 use scaleproof_score::score::ApDefinition;
 
-/// A table for each question, the answers from small to large as they were measured.
+/// Returns a table for each question, the answers from small to large as they were measured.
 pub fn table(all: &Advice) -> String {
     let advice = &all.poses;
     let mut lines = vec![format!(
@@ -33,7 +33,7 @@ pub fn table(all: &Advice) -> String {
     lines.join("\n")
 }
 
-/// What the photos that could not be read are said to be.
+/// Returns the part of a sentence on photos that could not be read; empty without any.
 pub(super) fn unreadable(all: &Advice) -> String {
     match all.unreadable {
         0 => String::new(),
@@ -45,7 +45,7 @@ pub(super) fn number(value: Option<f64>, places: usize, unit: &str) -> String {
     value.map_or("–".to_owned(), |value| digits(value, places) + unit)
 }
 
-/// ` [0.0010, 0.0123]`; empty without one.
+/// Formats ` [0.0010, 0.0123]`; empty without an interval.
 pub(super) fn interval(interval: Option<Interval>, places: usize) -> String {
     interval.map_or(String::new(), |i| {
         format!(" [{}, {}]", digits(i.low, places), digits(i.high, places))
@@ -63,7 +63,7 @@ fn line(choice: &Choice) -> String {
     format!("{name:<18} {ms:>8} {located:>8} {held_out:>10} {worse:>26} {deg:>9} {mm:>9}  {arrow}{verdict}{usual}")
 }
 
-/// What speaks against a way, or that it is advised.
+/// Returns the verdict on a way in words.
 pub(super) fn in_words(choice: &Choice) -> String {
     match choice.verdict {
         Verdict::Advised => "advised".to_owned(),
@@ -81,7 +81,7 @@ pub(super) fn in_words(choice: &Choice) -> String {
     }
 }
 
-/// Whether the camera file is that of the photos, as a sentence.
+/// Returns a sentence on whether the camera file is that of the photos.
 pub(super) fn camera(check: &CameraCheck) -> String {
     let errors = format!(
         "{}° by the file, {}° by cameras refitted to the other half of the photos",
@@ -126,7 +126,7 @@ fn refitted(check: &CameraCheck) -> String {
     )
 }
 
-/// What the findings depend on, as sentences.
+/// Returns sentences on the choices that the findings depend on.
 pub(super) fn findings(figures: &FigureAdvice) -> Vec<String> {
     let usual = figures.rows.first().map_or("", |row| row.definition);
     let same = figures.same_findings.len();
@@ -150,7 +150,7 @@ pub(super) fn findings(figures: &FigureAdvice) -> Vec<String> {
     vec![format!("{definitions}, and the drops move by up to {moves}"), of_box]
 }
 
-/// The file for `score --settings`: what is absent is as usual.
+/// Returns the file for `score --settings`: what is absent is as usual.
 pub fn settings(advice: &Advice) -> String {
     let of_session = format!(
         "# What `scaleproof advise` found to be enough for {:?}.",

@@ -6,16 +6,16 @@ use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::Solver;
 use scaleproof_pose::tags::TagDetectorChoice;
 
-/// What is chosen.
+/// Step whose ways are compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Question {
     TagDetector,
     Solver,
     CameraModel,
-    /// How many tags of a photo are used.
+    /// Number of tags of a photo that are used.
     Tags,
-    /// Of the photo that tags are looked for in.
+    /// Resolution of the photo in which tags are searched.
     Resolution,
 }
 
@@ -47,13 +47,13 @@ pub(super) struct Way {
     pub solver: Solver,
     /// Coefficients of the lens model that are kept, from the first.
     pub lens_terms: usize,
-    /// The largest tags alone.
+    /// Number of the largest tags that are used; `None` for all.
     pub most_tags: Option<usize>,
-    /// Pixels of the photo along a side that become one.
+    /// Number of pixels of the photo along a side that become one.
     pub reduced_by: u32,
 }
 
-/// As the program locates photos.
+/// Returns the way in which the program locates photos.
 pub(super) fn usual(question: Question) -> Way {
     Way {
         question,
@@ -65,14 +65,14 @@ pub(super) fn usual(question: Question) -> Way {
     }
 }
 
-/// OpenCV's k1, k2, p1, p2, k3 … k6; a fisheye has fewer.
+/// Number of OpenCV's coefficients k1, k2, p1, p2, k3 … k6; a fisheye has fewer.
 const ALL_TERMS: usize = 8;
 
-/// More tags than these in one photo are all of them.
+/// Largest number of tags that is tried; more in one photo are all of them.
 const MOST_TAGS: usize = 6;
 
 impl Way {
-    /// The answers to a question, the usual one among them. `detectors` read the scene's tags.
+    /// Returns the ways that answer a question, the usual one among them. `detectors` read the scene's tags.
     pub(super) fn answers(question: Question, detectors: &[TagDetectorChoice], camera: &Camera) -> Vec<Way> {
         let usual = usual(question);
         match question {
@@ -97,13 +97,13 @@ impl Way {
         *self == usual(self.question)
     }
 
-    /// Whether both do the same, whichever question they answer.
+    /// Returns true if both do the same, whichever question they answer.
     pub(super) fn is_same(&self, other: &Way) -> bool {
         let question = self.question;
         *self == Way { question, ..*other }
     }
 
-    /// As tables and settings name it.
+    /// Returns the name in tables and settings.
     pub(super) fn name(&self) -> String {
         match self.question {
             Question::TagDetector => self.detector.name().to_owned(),
@@ -122,14 +122,14 @@ impl Way {
         }
     }
 
-    /// The camera with the terms that are kept.
+    /// Returns the camera with the terms that are kept.
     pub(super) fn camera(&self, camera: &Camera) -> Camera {
         let all = camera.distortion();
         camera.clone().with_distortion(&all[..self.lens_terms.min(all.len())])
     }
 
-    /// What it costs, least first: milliseconds where time is what differs, else its own size. What solvers take is little beside the search for
-    /// tags, so that the usual one stays where it is enough.
+    /// Returns the cost, by which ways are ordered: milliseconds where time is what differs, else their own size. Solvers take little beside the
+    /// search for tags, so that the usual one stays where it is enough.
     pub(super) fn cost(&self, ms: f64) -> f64 {
         match self.question {
             Question::Solver if self.is_usual() => 0.0,

@@ -1,4 +1,4 @@
-//! Guided capture: how long a frame takes from its bytes to the sentence of advice, by tag detector.
+//! Guided capture: time of a frame from its bytes to the sentence of advice, by tag detector.
 
 use serde::Serialize;
 
@@ -12,14 +12,14 @@ use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Bins, Scene};
 use scaleproof_pose::tags::TagDetectorChoice;
 
-/// What a person who moves a camera does not notice yet: the limits of guided capture for the median and for 95 % of the frames, ms.
+/// Limits of guided capture for the median and for 95 % of the frames, ms: a person who moves a camera does not notice them yet.
 pub const LIMITS_MS: [f64; 2] = [60.0, 120.0];
 
 /// One tag detector, judging frames one way.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct CaptureRow {
     pub tag_detector: &'static str,
-    /// Whether frames are judged as those of a running camera, which a faster search sees first, rather than as photos.
+    /// True if frames are judged as those of a running camera, which a faster search sees first, rather than as photos.
     pub is_stream: bool,
     /// Frames measured on.
     pub frames: usize,
@@ -29,7 +29,7 @@ pub struct CaptureRow {
     pub median_ms: f64,
     /// Time from the photo's bytes to the advice that 95 % of the frames do not exceed.
     pub p95_ms: f64,
-    /// Whether it is what the program uses.
+    /// True if it is what the program uses.
     pub is_default: bool,
 }
 
@@ -41,7 +41,7 @@ pub fn measure(
     camera: &Camera,
     on_done: impl Fn(),
 ) -> Result<Vec<CaptureRow>, MeasureError> {
-    // Times are of one core, whatever OpenCV would like.
+    // Times are of one core: OpenCV gets one thread.
     let _ = opencv::core::set_num_threads(1);
     for (name, bytes) in frames {
         let photo = Photo::from_bytes(name.as_ref(), bytes.clone(), Budget::FILE)?;
@@ -76,7 +76,7 @@ pub fn measure(
     Ok(rows)
 }
 
-/// The rows that [`measure`] gives: photos by each detector, and a stream by the one that has a faster search.
+/// Returns the rows that [`measure`] gives: photos by each detector, and a stream by the one that has a faster search.
 pub fn ways(scene: &Scene) -> Vec<(TagDetectorChoice, bool)> {
     let all = detectors(scene).into_iter();
     let fitted = all.filter(|choice| !TagDetectorChoice::PEERS.contains(choice));
@@ -85,7 +85,7 @@ pub fn ways(scene: &Scene) -> Vec<(TagDetectorChoice, bool)> {
     stream.into_iter().chain(photos).collect()
 }
 
-/// Whether the frame got a pose.
+/// Judges a frame; returns true if it got a pose.
 fn advice(
     name: &str,
     bytes: &[u8],
@@ -101,7 +101,7 @@ fn advice(
     Ok(judgement.located.is_some())
 }
 
-/// Views that no frame shows, so that every one of them gets advice.
+/// Returns views that no frame shows, so that every frame gets advice.
 fn unreachable(bins: &Bins) -> Guidance {
     let far_mm = 1e6;
     let pitch_deg = bins.pitch_deg.first().copied().unwrap_or_default();
@@ -109,7 +109,7 @@ fn unreachable(bins: &Bins) -> Guidance {
     Guidance::at(&bins.viewpoints(&[pitch_deg], &[far_mm]), tolerance, bins)
 }
 
-/// The chart: the median against the slowest twentieth; lower left is better.
+/// Draws the chart: the median against the slowest twentieth; lower left is better.
 pub fn draw(rows: &[CaptureRow]) -> String {
     let names: Vec<String> = distinct(rows.iter().map(|row| row.tag_detector.to_owned()));
     let dot = |row: &CaptureRow| Dot {
@@ -142,7 +142,7 @@ pub fn draw(rows: &[CaptureRow]) -> String {
     .svg()
 }
 
-/// The rows as lines of text: milliseconds a frame, median and 95 %, and the share that was located.
+/// Writes the rows as lines of text: milliseconds a frame, median and 95 %, and the share that was located.
 pub fn table(rows: &[CaptureRow]) -> String {
     let mut text = "tags             frames          median ms   95 % ms  located\n".to_owned();
     for row in rows {

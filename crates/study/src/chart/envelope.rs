@@ -1,4 +1,4 @@
-//! Every envelope on the same photos: how well its truth box fits the exact one, against milliseconds.
+//! Envelopes on the same photos: IoU of each truth box with the exact one, against milliseconds.
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ use scaleproof_pose::tags::TagDetectorChoice;
 use scaleproof_session::envelope::{self, EnvelopeError, EnvelopeShape};
 use scaleproof_session::session::Session;
 
-/// A photo with its pose, and the truth about it.
+/// A photo with its pose and its exact box.
 #[derive(Debug, Clone)]
 pub struct LocatedSample {
     pub file: String,
@@ -25,15 +25,15 @@ pub struct LocatedSample {
     pub pose: Rigid,
     /// The session's camera, fitted to the photo.
     pub camera: Camera,
-    /// Exact.
+    /// Exact box of the model, px.
     pub truth: BoxPx,
 }
 
-/// The photos of a session that the tags place, with the exact boxes in them, and a sentence about each of the others. `on_photo` is called
-/// after each.
+/// Locates the photos of a session; returns those that the tags place, with the exact boxes in them, and a sentence about each of the others.
+/// `on_photo` is called after each.
 ///
 /// # Errors
-/// A photo that cannot be read, or none with a pose; a file that does not say the truth about all of them.
+/// A photo cannot be read, or none has a pose; the file does not have the truth about all of them.
 pub fn placed(
     session: &Session,
     truth: &Path,
@@ -63,7 +63,7 @@ pub fn placed(
     }
 }
 
-/// The envelopes of a model: its box, and with a mesh its hull and its surface.
+/// Returns the envelopes of a model: its box, and with a mesh its hull and its surface.
 pub fn envelopes(mesh: Option<&Path>, model: &ScaleModel) -> Result<Vec<(&'static str, EnvelopeShape)>, EnvelopeError> {
     let mut shapes = vec![("box", EnvelopeShape::of_box(model))];
     if let Some(path) = mesh {
@@ -77,9 +77,9 @@ pub fn envelopes(mesh: Option<&Path>, model: &ScaleModel) -> Result<Vec<(&'stati
 /// One envelope and what it measured.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct EnvelopeRow {
-    /// What the truth boxes are drawn around: `box`, `hull` or `mesh`.
+    /// Envelope that the truth boxes are drawn around: `box`, `hull` or `mesh`.
     pub envelope: &'static str,
-    /// Whether it is the scene's.
+    /// True if it is the scene's.
     pub is_default: bool,
     /// Photos measured on.
     pub photos: usize,
@@ -101,7 +101,7 @@ pub struct BoxFit {
     pub box_xyxy_px: Option<BoxPx>,
     /// IoU with the exact box; `null` without a box.
     pub iou: Option<f64>,
-    /// Why there is no box, as a sentence; `null` where there is one.
+    /// Reason why there is no box, as a sentence; `null` where there is one.
     pub reason: Option<String>,
 }
 
@@ -143,7 +143,7 @@ fn row(samples: &[LocatedSample], envelope: &'static str, outline: &EnvelopeShap
     }
 }
 
-/// The chart: a colour an envelope, one mark for the median and one for the worst photo.
+/// Draws the chart: a colour an envelope, one mark for the median and one for the worst photo.
 pub fn draw(rows: &[EnvelopeRow]) -> String {
     let dots = rows.iter().enumerate().flat_map(|(series, row)| {
         let dot = move |(shape, iou): (usize, Option<f64>)| {
@@ -174,7 +174,7 @@ pub fn draw(rows: &[EnvelopeRow]) -> String {
     .svg()
 }
 
-/// The rows as lines of text: each envelope's IoU with the exact box, and milliseconds a photo.
+/// Writes the rows as lines of text: each envelope's IoU with the exact box, and milliseconds a photo.
 pub fn table(rows: &[EnvelopeRow]) -> String {
     let mut text = "envelope   photos  answered  IoU median   IoU min  ms a photo\n".to_owned();
     for row in rows {

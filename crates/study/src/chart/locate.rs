@@ -17,7 +17,7 @@ use scaleproof_pose::scene::{Scene, Viewpoint};
 use scaleproof_pose::tags::{SeenTag, TagDetectorChoice};
 use scaleproof_session::session::Session;
 
-/// How many of the camera file's distortion coefficients are used: none (`pinhole`), the first alone (`k1`) or all (`full`).
+/// Number of the camera file's distortion coefficients that are used: none (`pinhole`), the first alone (`k1`) or all (`full`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LensTerms {
@@ -33,7 +33,7 @@ impl LensTerms {
         ["no distortion", "k1 only", "camera file as it is"][self as usize]
     }
 
-    /// The camera with only these coefficients left.
+    /// Returns the camera with only these coefficients left.
     fn applied_to(self, camera: &Camera) -> Camera {
         let kept = [0, 1, 8][self as usize];
         let all = camera.distortion();
@@ -41,19 +41,19 @@ impl LensTerms {
     }
 }
 
-/// A photo to measure on, and the truth about it.
+/// A photo to measure on, and its true viewpoint.
 #[derive(Debug, Clone)]
 pub struct PhotoSample {
-    /// Upright.
+    /// Luma of the upright photo.
     pub luma: GrayImage,
-    /// How far EXIF turned it.
+    /// Degrees by which EXIF turned the photo clockwise.
     pub turned_deg: u32,
-    /// Exact.
+    /// Exact viewpoint.
     pub truth: Viewpoint,
 }
 
 impl PhotoSample {
-    /// The photos of a session, decoded, with the truth about each. `on_photo` is called after each.
+    /// Decodes the photos of a session, with the truth about each. `on_photo` is called after each.
     pub fn of_session(session: &Session, truth: &Path, on_photo: impl Fn()) -> Result<Vec<Self>, MeasureError> {
         let names: Vec<&str> = session.photos.iter().map(|photo| photo.file.as_str()).collect();
         let samples = session.photos.iter().zip(true_views(truth, &names)?);
@@ -70,7 +70,7 @@ impl PhotoSample {
         samples.map(sample).collect()
     }
 
-    /// The photo as if a camera of so many times the pixels had taken it.
+    /// Returns the photo resized by `factor` along each side, as if a camera of more pixels had taken it.
     #[must_use]
     pub fn enlarged(self, factor: f64) -> Self {
         if factor == 1.0 {
@@ -110,7 +110,7 @@ pub struct LocateRow {
     pub silently_wrong: f64,
     /// No other combination of this camera model is as good in time, median azimuth error and share answered, and better in one.
     pub is_on_front: bool,
-    /// Whether it is what the program uses.
+    /// True if it is what the program uses.
     pub is_default: bool,
 }
 
@@ -120,7 +120,7 @@ impl LocateRow {
     }
 }
 
-/// The tag detectors that are compared, libraries with their own corners last: those that read the scene's families.
+/// Returns the tag detectors that are compared, libraries with their own corners last: those that read the scene's families.
 pub fn detectors(scene: &Scene) -> Vec<TagDetectorChoice> {
     let reads_all = |choice: &TagDetectorChoice| scene.families().iter().all(|family| choice.reads(*family));
     let all = TagDetectorChoice::ALL.into_iter().chain(TagDetectorChoice::PEERS);
@@ -140,7 +140,7 @@ pub fn measure(
         Ok(camera.for_photo(width, height, sample.turned_deg)?.camera)
     };
     let fitted = samples.iter().map(fitted).collect::<Result<Vec<_>, _>>()?;
-    // Times are of one core, whatever OpenCV would like.
+    // Times are of one core: OpenCV gets one thread.
     let _ = opencv::core::set_num_threads(1);
     let families = scene.families();
     let mut rows = Vec::new();
@@ -207,7 +207,7 @@ fn row(
     }
 }
 
-/// Whether an answer puts a photo into another azimuth bin than the true one. Truth within 1° of a bin's edge counts for both.
+/// Returns true if an answer puts a photo into another azimuth bin than the true one. Truth within 1° of a bin's edge counts for both.
 pub fn is_silently_wrong(view: &Viewpoint, truth: &Viewpoint, scene: &Scene) -> bool {
     let is_inside = scene.bins.azimuth_to_edge_deg(truth.azimuth_deg) > 1.0;
     is_inside && scene.bins.bin_of(view).azimuth_deg != scene.bins.bin_of(truth).azimuth_deg
@@ -227,7 +227,7 @@ fn mark_fronts(rows: &mut [LocateRow]) {
     }
 }
 
-/// The chart: one plot a camera model, colours for tag detectors, shapes for solvers, filling for the share answered.
+/// Draws the chart: one plot a camera model, colours for tag detectors, shapes for solvers, filling for the share answered.
 pub fn draw(rows: &[LocateRow]) -> String {
     let names = |name: fn(&LocateRow) -> &'static str| distinct(rows.iter().map(|row| name(row).to_owned()));
     let (colours, shapes) = (names(|row| row.tag_detector), names(|row| row.solver));
@@ -267,7 +267,7 @@ pub fn draw(rows: &[LocateRow]) -> String {
     .svg()
 }
 
-/// The rows as lines of text, one camera model after the other, the fastest first.
+/// Writes the rows as lines of text, one camera model after the other, the fastest first.
 pub fn table(rows: &[LocateRow]) -> String {
     let mut sorted: Vec<&LocateRow> = rows.iter().collect();
     sorted.sort_by(|a, b| {

@@ -1,5 +1,4 @@
-//! Methods against each other, measured on the same photos: the charts that choose the defaults, and the sweeps that show where
-//! each method breaks.
+//! Methods compared on the same photos: the charts that choose the defaults, and the sweeps that show where each method breaks.
 
 pub mod capture;
 pub mod envelope;
@@ -29,7 +28,7 @@ use scaleproof_session::session::{Session, SessionError};
 pub use spoil::Spoil;
 pub use truth::{TruthError, true_boxes, true_views};
 
-/// Why photos could not be measured on.
+/// Reason why photos could not be measured on.
 #[derive(Debug, thiserror::Error)]
 pub enum MeasureError {
     #[error(transparent)]
@@ -63,12 +62,12 @@ pub struct ChartNumbers<'a, R> {
 }
 
 impl<'a, R> ChartNumbers<'a, R> {
-    /// Rows that were measured on a session, and on files besides the session's.
+    /// Takes rows that were measured on a session, and on files besides the session's.
     pub fn new(session: &Session, read: &[&Path], rows: &'a [R]) -> Result<Self, FileError> {
         Self::over(&[session], read, rows)
     }
 
-    /// Rows that were measured on several sessions.
+    /// Takes rows that were measured on several sessions.
     pub fn over(sessions: &[&Session], read: &[&Path], rows: &'a [R]) -> Result<Self, FileError> {
         let others = read
             .iter()
@@ -89,7 +88,7 @@ impl<'a, R> ChartNumbers<'a, R> {
     }
 }
 
-/// The tags in an upright photo, which EXIF turned by `turned_deg`, and the milliseconds that finding them takes.
+/// Finds the tags in an upright photo, which EXIF turned by `turned_deg`; returns them and the milliseconds that it takes.
 pub(crate) fn timed_tags(
     choice: TagDetectorChoice,
     detector: &mut dyn TagDetector,
@@ -97,13 +96,13 @@ pub(crate) fn timed_tags(
     (scene, camera): (&Scene, &Camera),
 ) -> (Vec<SeenTag>, f64) {
     fastest(|| match choice {
-        // It stops where the pose says so, which is part of its time.
+        // The search stops where the pose says so, which is part of its time.
         TagDetectorChoice::Cascade => locate_luma(luma, turned_deg, None, scene, camera, detector).seen,
         _ => detector.find(luma),
     })
 }
 
-/// The axis of the time that a photo takes.
+/// Returns the axis of the time that a photo takes.
 pub(crate) fn milliseconds(values: impl IntoIterator<Item = f64>) -> PlotAxis {
     PlotAxis::around("milliseconds a photo, one core", Scale::Log, values)
 }

@@ -1,4 +1,4 @@
-//! Scoring a photo: where its milliseconds go, with poses from tags and with truth given.
+//! Time of scoring a photo by stage, with poses from tags and with truth given.
 
 use serde::Serialize;
 
@@ -13,7 +13,7 @@ use scaleproof_session::session::{PhotoEntry, Session};
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ScoreRow {
     pub detector: String,
-    /// Where the poses come from: the `tags`, or `given` where the session says where the model is.
+    /// Source of the poses: the `tags`, or `given` where the session says where the model is.
     pub poses: &'static str,
     /// Photos measured on.
     pub photos: usize,
@@ -23,14 +23,14 @@ pub struct ScoreRow {
     pub photos_per_second: f64,
 }
 
-/// What one stage of the work takes.
+/// Time of one stage of the work.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct StageTime {
     pub stage: Stage,
     pub ms: f64,
 }
 
-/// Measures every detector alone on one thread, so many rounds. `on_photo` is called after each photo.
+/// Measures every detector alone on one thread, in `rounds` rounds. `on_photo` is called after each photo.
 pub fn measure(
     session: &Session,
     detectors: Vec<EvaluatedDetector>,
@@ -43,14 +43,14 @@ pub fn measure(
         for poses in ways(&session) {
             let photos = fastest(&session, std::slice::from_ref(&detector), rounds, &on_photo)?;
             rows.push(row(&detector, poses, &photos));
-            // As if it had been imported with its truth: the photos that were placed, with box and viewpoint.
+            // The session as if it had been imported with its truth: the photos that were placed, with box and viewpoint.
             session.photos = photos.into_iter().map(|photo| photo.with_truth).collect();
         }
     }
     Ok(rows)
 }
 
-/// Where the poses come from, one after the other: from the tags, and then given; a session that says where the model is has no other way.
+/// Returns the sources of the poses, one after the other: the tags, and then given; a session that says where the model is has no other way.
 pub fn ways(session: &Session) -> Vec<&'static str> {
     let is_given = |photo: &PhotoEntry| photo.box_xyxy_px.is_some() && photo.viewpoint.is_some();
     if session.photos.iter().all(is_given) {
@@ -60,7 +60,7 @@ pub fn ways(session: &Session) -> Vec<&'static str> {
     }
 }
 
-/// Each photo's fastest round. The first round, in which the network is opened, does not count.
+/// Returns each photo's fastest round. The first round, in which the network is opened, does not count.
 fn fastest(
     session: &Session,
     detector: &[EvaluatedDetector],
@@ -101,7 +101,7 @@ const LEFT: f64 = 150.0;
 const WIDTH: f64 = 460.0;
 const ROW: f64 = 24.0;
 
-/// The chart: a bar for each row, its stages stacked.
+/// Draws the chart: a bar for each row, its stages stacked.
 pub fn draw(rows: &[ScoreRow]) -> String {
     let all = |row: &ScoreRow| row.stages.iter().map(|stage| stage.ms).sum::<f64>();
     let longest = rows.iter().map(all).fold(1e-3, f64::max);
@@ -137,7 +137,7 @@ pub fn draw(rows: &[ScoreRow]) -> String {
     figure(title, &explained, 1, vec![("milliseconds a photo", drawing)]).svg()
 }
 
-/// The rows as lines of text: milliseconds a photo by stage, and photos per second.
+/// Writes the rows as lines of text: milliseconds a photo by stage, and photos per second.
 pub fn table(rows: &[ScoreRow]) -> String {
     let mut text = format!("{:<16} {:<6}", "detector", "poses");
     for stage in Stage::ALL {

@@ -1,4 +1,5 @@
-//! Whether the stated σ of poses is true: the share of errors within so many σ, beside that of normal errors, by how many tags a pose rests on.
+//! Reliability of the stated σ of poses: the share of errors within so many σ, beside that of normal errors, by the number of tags that a pose rests
+//! on.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -21,17 +22,18 @@ use scaleproof_pose::simulate::{Noise, SimulatedFault, Simulator};
 use scaleproof_pose::tags::{SeenTag, TagDetectorChoice};
 use scaleproof_session::session::Session;
 
-/// The shares of errors within so many σ are compared.
+/// Multiples of σ within which the shares of errors are compared.
 const SIGMAS: [f64; 6] = [0.5, 1.0, 1.5, 2.0, 2.5, 3.0];
 
-/// Tags that a pose rests on; the last stands for all larger numbers.
+/// Numbers of tags that a pose rests on; the last stands for all larger numbers.
 const TAGS: [usize; 4] = [1, 2, 3, 4];
 
-/// A bin of at least this stated probability is called sure.
+/// Stated probability from which a bin is called sure.
 const SURE: f64 = 0.99;
 
-/// What simulated views suffer from besides corner noise of 0.3 px (2 % of the corners 1.2 px): cards bowed by so many mm in 100 (see
-/// [`SimulatedFault::BentPaper`]), and corner noise of a share of the tag's side, all of it in each view so many times larger or smaller as it differs between real photos.
+/// Errors of simulated views besides corner noise of 0.3 px (2 % of the corners 1.2 px): name, bow of the cards in mm in 100 (see
+/// [`SimulatedFault::BentPaper`]), and corner noise as a share of the tag's side; with it, all noise of a view is larger or smaller at random, as it
+/// differs between real photos.
 const SIMULATED: [(&str, f64, f64); 3] = [
     ("simulated: corner noise", 0.0, 0.0),
     ("simulated: bent paper", 1.5, 0.0),
@@ -41,7 +43,7 @@ const SIMULATED: [(&str, f64, f64); 3] = [
 /// Light at the dark end of each tag of a photo lit unevenly, as a share of that at its bright end.
 const LAMP: f64 = 0.4;
 
-/// Tags that were seen together, and from where. The scene has no other tags.
+/// Tags that were seen together, and the true viewpoint. The scene has no other tags.
 #[derive(Debug, Clone)]
 pub struct SigmaView {
     pub seen: Vec<SeenTag>,
@@ -55,7 +57,7 @@ pub struct SigmaView {
 #[derive(Debug, Clone, Default)]
 pub struct SigmaErrors {
     pub views: usize,
-    /// Errors of azimuth, pitch and distance of each answered view, in σ.
+    /// Errors of azimuth, elevation and distance of each answered view, in σ.
     pub in_sigmas: Vec<[f64; 3]>,
     /// Bins stated with 99 % or more, and how many of them were wrong.
     pub sure_bins: usize,
@@ -81,7 +83,7 @@ pub struct SigmaRow {
     pub material: String,
     /// Tags that were seen: 1, 2, 3, or 4 for four and more.
     pub tags: usize,
-    /// How many times so many tags were seen together, and how often that gave a pose.
+    /// Number of times that so many tags were seen together, and of those that gave a pose.
     pub views: usize,
     pub answered: usize,
     /// Poses whose bin is stated with a probability of at least 99 %, and how many of these bins are wrong.
@@ -93,8 +95,8 @@ pub struct SigmaRow {
     pub distance: Vec<SigmaCoverage>,
 }
 
-/// The views of a session's photos: its tags one by one, by random twos and threes, and by random fours and more. Also of copies of the photos lit
-/// unevenly, if asked for. `on_photo` is called after each photo.
+/// Returns views of a session's photos: its tags one by one, by random twos and threes, and by random fours and more. `is_lit`: of copies of the
+/// photos lit unevenly. `on_photo` is called after each photo.
 pub fn of_photos(
     session: &Session,
     truth: &Path,
@@ -136,7 +138,7 @@ pub fn of_photos(
     Ok(views.into_iter().flatten().collect())
 }
 
-/// Different subsets of so many of the tags that the scene has (the last of [`TAGS`]: or more), at random: of each tag one that it is in.
+/// Returns different random subsets of so many of the tags that the scene has (the last of [`TAGS`]: or more): for each tag one that it is in.
 fn subsets(seen: &[SeenTag], scene: &Scene, tags: usize, rng: &mut Pcg64Mcg) -> Vec<Vec<SeenTag>> {
     let usable: Vec<&SeenTag> = seen.iter().filter(|tag| known(scene, tag).is_some()).collect();
     let all = usable.len();
@@ -161,7 +163,7 @@ fn known<'a>(scene: &'a Scene, seen: &SeenTag) -> Option<&'a Tag> {
     scene.tag(seen.family, seen.id)
 }
 
-/// The scene with the seen tags alone: that others are missing is no news.
+/// Returns the scene with the seen tags alone, so that no other tag is missing.
 fn of_tags(scene: &Scene, seen: &[SeenTag]) -> Scene {
     Scene {
         tags: seen.iter().filter_map(|tag| known(scene, tag).cloned()).collect(),
@@ -169,7 +171,7 @@ fn of_tags(scene: &Scene, seen: &[SeenTag]) -> Scene {
     }
 }
 
-/// So many simulated views of a scene for each number of tags, under each of the conditions simulated. The same for the same seed.
+/// Simulates `views` views of a scene for each number of tags, under each of the conditions simulated. The same seed gives the same views.
 pub fn simulated(scene: &Scene, camera: &Camera, views: usize, seed: u64) -> Vec<(String, Vec<SigmaView>)> {
     let of = |faults, tags| {
         let seeds = (0..views as u64).map(move |view| (seed << 32) + view);
@@ -182,7 +184,7 @@ pub fn simulated(scene: &Scene, camera: &Camera, views: usize, seed: u64) -> Vec
     SIMULATED.into_iter().map(material).collect()
 }
 
-/// A view of so many tags; `None` where fewer are seen.
+/// Simulates a view of `tags` tags; `None` where fewer are seen.
 fn one_view(scene: &Scene, camera: &Camera, (bow_mm, share): (f64, f64), tags: usize, seed: u64) -> Option<SigmaView> {
     let mut rng = Pcg64Mcg::seed_from_u64(!seed);
     let times = if share > 0.0 {
@@ -206,7 +208,7 @@ fn one_view(scene: &Scene, camera: &Camera, (bow_mm, share): (f64, f64), tags: u
     }
     let mut all = subsets(&view.seen, scene, tags, &mut rng);
     let seen = (!all.is_empty()).then(|| all.swap_remove(rng.random_range(0..all.len())))?;
-    // The camera file is as far off as σ takes it for.
+    // The camera file is as far off as σ assumes.
     let mut camera = camera.clone();
     camera.fx *= 1.0 + FOCAL_SHARE * normal::draw(&mut rng);
     camera.fy *= 1.0 + FOCAL_SHARE * normal::draw(&mut rng);
@@ -219,7 +221,7 @@ fn one_view(scene: &Scene, camera: &Camera, (bow_mm, share): (f64, f64), tags: u
     })
 }
 
-/// The errors of the answers to views of each number of tags.
+/// Locates the views, and returns the errors by number of tags.
 pub fn errors(views: &[SigmaView]) -> [SigmaErrors; 4] {
     let answers = workers::each(views, |view| locate(&view.seen, &view.scene, &view.camera).ok());
     let mut all: [SigmaErrors; 4] = Default::default();
@@ -283,8 +285,8 @@ fn numbers(sigma: &Sigma) -> [f64; 3] {
     [sigma.azimuth_deg, sigma.pitch_deg, sigma.distance_mm]
 }
 
-/// Rows of sessions, those of one name together, and of views simulated on the first of them, with copies of its photos lit unevenly; without views, of
-/// the photos alone. `on_photo` is called after each photo of [`photos`].
+/// Returns rows of sessions, those of one name together, and of views simulated on the first of them, with copies of its photos lit unevenly; without
+/// views, of the photos alone. `on_photo` is called after each photo of [`photos`].
 pub fn measure(
     sessions: &[(Session, PathBuf)],
     views: usize,
@@ -314,7 +316,7 @@ pub fn measure(
     Ok(rows.collect())
 }
 
-/// How many photos [`measure`] looks at.
+/// Returns the number of photos that [`measure`] locates.
 pub fn photos(sessions: &[(Session, PathBuf)], views: usize) -> usize {
     let of = |(session, _): &(Session, PathBuf)| session.photos.len();
     sessions.iter().map(of).sum::<usize>() + sessions.first().filter(|_| views > 0).map_or(0, of)
@@ -322,7 +324,7 @@ pub fn photos(sessions: &[(Session, PathBuf)], views: usize) -> usize {
 
 const QUANTITIES: [&str; 4] = ["azimuth", "pitch", "distance", "normal errors"];
 
-/// A page of panels, a row a material and a column a number of tags: the share of errors within so many σ, dashed where normal.
+/// Draws a page of panels, a row a material and a column a number of tags: the share of errors within so many σ, dashed where normal.
 pub fn draw(rows: &[SigmaRow]) -> String {
     let notes = [
         "Share of errors within so many of the stated σ. Dashed: of normal errors whose σ is true. Lines below it: σ is too small; above: too large."
@@ -381,7 +383,7 @@ fn in_words(tags: usize) -> &'static str {
     ["one tag", "two tags", "three tags", "four tags or more"][tags.clamp(1, 4) - 1]
 }
 
-/// The rows as lines of text: shares within 1, 2 and 3 σ of azimuth, pitch and distance.
+/// Writes the rows as lines of text: shares within 1, 2 and 3 σ of azimuth, elevation and distance.
 pub fn table(rows: &[SigmaRow]) -> String {
     let mut text = "material                      tags  views  answered   azimuth 1 2 3 σ, %     pitch 1 2 3 σ, %   distance 1 2 3 σ, %  sure bins wrong\n".to_owned();
     for row in rows {

@@ -1,4 +1,4 @@
-//! Ways a photo goes wrong, by a measured amount: from harmless to hopeless.
+//! Degradations of a photo by a measured amount, from harmless to hopeless.
 
 use std::io::Cursor;
 
@@ -34,7 +34,7 @@ pub enum Spoil {
 }
 
 impl Spoil {
-    /// What a sweep of this name does to a photo.
+    /// Returns the degradation of the sweep of this name.
     pub(super) fn named(name: &str) -> Option<Self> {
         Some(match name {
             "blur" => Self::Blur,
@@ -49,7 +49,7 @@ impl Spoil {
         })
     }
 
-    /// The photo as it would look. `tags` are where the tags of the scene are in it.
+    /// Returns the photo after the degradation. `tags`: corners of the scene's tags in it.
     pub fn apply(self, photo: &GrayImage, amount: f64, tags: &[TagCorners], rng: &mut impl Rng) -> GrayImage {
         match self {
             Self::Blur if amount > 0.0 => imageops::blur(photo, amount as f32),
@@ -86,7 +86,7 @@ fn moved(photo: &GrayImage, length_px: f64, direction_deg: f64) -> GrayImage {
     })
 }
 
-/// Every grey level by itself.
+/// Maps every grey level by itself.
 fn each(photo: &GrayImage, mut level: impl FnMut(f64) -> f64) -> GrayImage {
     let mut out = photo.clone();
     out.iter_mut()
@@ -94,7 +94,7 @@ fn each(photo: &GrayImage, mut level: impl FnMut(f64) -> f64) -> GrayImage {
     out
 }
 
-/// Each tag and its margin, darker from one side to the other; grey levels are taken as light to the power of 1/2.2.
+/// Darkens each tag and its margin from one side to the other; grey levels are taken as light to the power of 1/2.2.
 fn lit(photo: &GrayImage, share: f64, tags: &[TagCorners], rng: &mut impl Rng) -> GrayImage {
     let mut out = photo.clone();
     for tag in tags {
@@ -137,7 +137,7 @@ fn fill(image: &mut GrayImage, outline: &TagCorners, grey: u8) {
     inside(outline, image.dimensions(), |x, y| image.put_pixel(x, y, Luma([grey])));
 }
 
-/// The pixels of an image of this size inside a convex outline.
+/// Calls `each` on the pixels of an image of this size inside a convex outline.
 fn inside(outline: &TagCorners, (width, height): (u32, u32), mut each: impl FnMut(u32, u32)) {
     let span = |k: usize, size: u32| {
         let (low, high) = extent(outline.iter().map(|p| p[k]));
@@ -165,7 +165,7 @@ fn cropped(photo: &GrayImage, share: f64, rng: &mut impl Rng) -> GrayImage {
     imageops::crop_imm(photo, x, y, width, height).to_image()
 }
 
-/// Encoded and decoded again. An image that cannot be is given back as it is.
+/// Encodes and decodes an image. One that cannot be encoded is returned as it is.
 fn jpeg(photo: &GrayImage, quality: u8) -> GrayImage {
     let mut file = Cursor::new(Vec::new());
     let encoder = JpegEncoder::new_with_quality(&mut file, quality.clamp(1, 100));

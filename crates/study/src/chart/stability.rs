@@ -1,4 +1,4 @@
-//! Sweeps that drive every method from harmless to hopeless: how far off, how often answered, how often *silently wrong*.
+//! Sweeps that drive every method from harmless to hopeless: its errors, the share answered, the share *silently wrong*.
 
 use std::convert::Infallible;
 use std::ops::Range;
@@ -19,13 +19,13 @@ use scaleproof_pose::scene::{Scene, Tag, Viewpoint};
 use scaleproof_pose::simulate::{Noise, SimulatedFault, SimulatedView, Simulator, looking_at};
 use scaleproof_pose::tags::{CornersBy, StartError, TagDetectorChoice};
 
-/// Corner noise of the simulated detector: what the photos show, with tails.
+/// Corner noise of the simulated detector, as in photos, with tails.
 const NOISE: Noise = Noise {
     sigma_px: 0.3,
     tail_share: 0.02,
 };
 
-/// Each line a condition: a stable name, what the amounts are, and the amounts, from harmless to hopeless.
+/// Sweeps, one condition a line: a stable name, the unit of the amounts, and the amounts, from harmless to hopeless.
 const OF_VIEWS: &str = include_str!("sweeps_of_views.txt");
 const OF_PHOTOS: &str = include_str!("sweeps_of_photos.txt");
 
@@ -41,18 +41,18 @@ fn amounts(sweeps: &'static str) -> impl Iterator<Item = SweepAmount> {
     })
 }
 
-/// What the views of one step are like.
+/// Conditions of the views of one step.
 struct Conditions {
     noise: Noise,
     distances_mm: Range<f64>,
-    /// One tag is seen alone, under this angle to its normal.
+    /// Angle to the normal of a tag that is seen alone; `None` where all are seen.
     tilt_deg: Option<f64>,
     fault: Option<SimulatedFault>,
     camera: Camera,
 }
 
 impl Conditions {
-    /// Those of a sweep of views at one amount; `None` for an unknown sweep.
+    /// Returns the conditions of a sweep of views at one amount; `None` for an unknown sweep.
     fn new((name, _, amount): SweepAmount, stated: &Camera) -> Option<Self> {
         use SimulatedFault as F;
         let mut all = Self {
@@ -64,13 +64,13 @@ impl Conditions {
         };
         match name {
             "corner_noise" => all.noise.sigma_px = amount,
-            // The side of a tag of 50 mm seen from straight before it, px: the camera moves away.
+            // The amount is the side of a tag of 50 mm seen from straight before it, px: the camera moves away.
             "tag_size" => {
                 let away = stated.fx * 50.0 / amount;
                 all.distances_mm = away..1.001 * away;
             }
             "tilt_of_a_single_tag" => all.tilt_deg = Some(amount),
-            // The lens has this many times the stated camera's distortion, and the camera file none.
+            // The lens has `amount` times the stated camera's distortion, and the camera file none.
             "ignored_distortion" => {
                 let stronger: Vec<f64> = stated.distortion().iter().map(|k| amount * k).collect();
                 all.camera = stated.clone().with_distortion(&stronger);
@@ -102,7 +102,7 @@ impl Conditions {
         (!view.seen.is_empty()).then_some(view)
     }
 
-    /// A view of one of the scene's tags alone, from a direction that makes the required angle with the tag's normal; the model is in
+    /// Simulates a view of one of the scene's tags alone, from a direction that makes the required angle with the tag's normal; the model is in
     /// the image too.
     fn lone_tag(&self, scene: &Scene, tilt_deg: f64, seed: u64) -> Option<SimulatedView> {
         let mut rng = Pcg64Mcg::seed_from_u64(seed);
@@ -133,17 +133,17 @@ impl Conditions {
     }
 }
 
-/// From so many places a view is tried that shows a tag and the model.
+/// Number of places from which a view that shows a tag and the model is tried.
 const LONE_TAG_ATTEMPTS: usize = 50;
 
-/// Whether a point of the camera frame is in the image.
+/// Returns true if a point of the camera frame is in the image.
 fn shows(camera: &Camera, point: &nalgebra::Point3<f64>) -> bool {
     let within = |v: f64, size: u32| (0.0..f64::from(size)).contains(&v);
     let at = camera.project(point);
     at.is_some_and(|[x, y]| within(x, camera.width) && within(y, camera.height))
 }
 
-/// The unit direction `tilt_deg` off a tag's normal, towards `around` (radians) in its plane.
+/// Returns the unit direction `tilt_deg` off a tag's normal, towards `around` (radians) in its plane.
 fn tilted(tag: &Tag, tilt_deg: f64, around: f64) -> nalgebra::Vector3<f64> {
     let normal = tag.right.cross(&tag.up);
     let aside = around.cos() * tag.right + around.sin() * tag.up;
@@ -151,7 +151,7 @@ fn tilted(tag: &Tag, tilt_deg: f64, around: f64) -> nalgebra::Vector3<f64> {
     cos * normal + sin * aside
 }
 
-/// What one method did at one amount of one condition.
+/// Result of one method at one amount of one condition.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct SweepStep {
     /// The condition that is made harder; how strong it is stands in `amount`, in this `unit`.
@@ -207,7 +207,7 @@ impl Tally {
     }
 }
 
-/// Every sweep over simulated views of a scene, `views` at each amount, each of the solvers on the same ones. The same seed gives the
+/// Runs every sweep over simulated views of a scene, `views` at each amount, each of the solvers on the same ones. The same seed gives the
 /// same steps. `on_done` is called after each amount.
 pub fn on_views(
     scene: &Scene,
@@ -226,7 +226,7 @@ pub fn on_views(
     steps.into_iter().flatten().collect()
 }
 
-/// How many amounts [`on_views`] goes through.
+/// Returns the number of amounts that [`on_views`] goes through.
 pub fn view_steps() -> usize {
     amounts(OF_VIEWS).count()
 }
@@ -252,7 +252,7 @@ fn sweep_step(
     steps.collect()
 }
 
-/// Every way to spoil the photos, with some tag detectors and the default solver. `on_done` is called after each spoiled photo.
+/// Runs every degradation of the photos, with some tag detectors and the default solver. `on_done` is called after each spoiled photo.
 pub fn on_photos(
     samples: &[PhotoSample],
     scene: &Scene,
@@ -292,13 +292,13 @@ fn spoils() -> impl Iterator<Item = (Spoil, SweepAmount)> {
     amounts(OF_PHOTOS).filter_map(|at| Some((Spoil::named(at.0)?, at)))
 }
 
-/// How many spoiled photos [`on_photos`] looks at.
+/// Returns the number of spoiled photos that [`on_photos`] locates.
 pub fn photo_steps(photos: usize) -> usize {
     photos * amounts(OF_PHOTOS).count()
 }
 
-/// Copies of the photos, each spoiled in one way by one amount, both at random, from harmless to hopeless. None is cut: a camera file fits no cut
-/// photo.
+/// Returns copies of the photos, each spoiled in one way by one amount, both at random, from harmless to hopeless. None is cut: a camera file fits no
+/// cut photo.
 pub fn spoiled(samples: &[PhotoSample], scene: &Scene, copies: u32, seed: u64) -> Result<Vec<PhotoSample>, StartError> {
     let ways: Vec<(Spoil, SweepAmount)> = spoils().filter(|(spoil, _)| *spoil != Spoil::Crop).collect();
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
@@ -328,7 +328,7 @@ fn tags_of(samples: &[PhotoSample], scene: &Scene) -> Result<Vec<Vec<TagCorners>
     )
 }
 
-/// A page of panels: for each sweep the shares (answered solid, silently wrong dashed), and beside them the median azimuth
+/// Draws a page of panels: for each sweep the shares (answered solid, silently wrong dashed), and beside them the median azimuth
 /// error of the answered.
 pub fn draw(title: &str, steps: &[SweepStep]) -> String {
     let methods = distinct(steps.iter().map(|step| step.method));
@@ -378,7 +378,7 @@ fn errors(steps: &[&SweepStep], methods: &[&str]) -> PlotPanel {
     }
 }
 
-/// One line a method.
+/// Returns one line a method.
 fn lines(
     steps: &[&SweepStep],
     methods: &[&str],
@@ -402,7 +402,7 @@ fn step_labels(steps: &[&SweepStep], methods: &[&str]) -> Vec<String> {
     of_method(steps, first).map(|step| format!("{}", step.amount)).collect()
 }
 
-/// The detectors that photos are spoiled for: the default, the library it rests on as it comes, and the fastest rival; those of them that
+/// Returns the detectors that photos are spoiled for: the default, the library it rests on as it comes, and the fastest rival; those of them that
 /// read the scene's tags.
 pub fn detectors(scene: &Scene) -> Vec<TagDetectorChoice> {
     let reads_all = |choice: &TagDetectorChoice| scene.families().iter().all(|family| choice.reads(*family));
@@ -414,7 +414,7 @@ pub fn detectors(scene: &Scene) -> Vec<TagDetectorChoice> {
     compared.into_iter().filter(reads_all).collect()
 }
 
-/// A line a sweep and method: up to which amount nearly all is answered, and how often it was silently wrong at worst.
+/// Writes a line a sweep and method: the amount up to which nearly all is answered, and the largest share that was silently wrong.
 pub fn summary(steps: &[SweepStep]) -> String {
     let mut text =
         "condition              method             views    90 % answered up to   silently wrong, at worst\n"

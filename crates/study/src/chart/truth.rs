@@ -1,4 +1,4 @@
-//! What is exactly true of a session's photos: the parts of its `truth.json` that methods are measured against.
+//! Exact truth of a session's photos: the parts of its `truth.json` that methods are measured against.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,7 @@ use scaleproof_core::geometry::BoxPx;
 use scaleproof_pose::locate::Sigma;
 use scaleproof_pose::scene::Viewpoint;
 
-/// Why there is no truth to measure against.
+/// Reason why there is no truth to measure against.
 #[derive(Debug, thiserror::Error)]
 pub enum TruthError {
     #[error(transparent)]
@@ -28,7 +28,7 @@ pub enum TruthError {
     Missing { path: PathBuf, file: String },
 }
 
-/// Other keys are passed over: the files carry views, boxes and poses.
+/// A truth file. Other keys are ignored: the files carry views, boxes and poses.
 #[derive(Deserialize)]
 struct TruthFile<T> {
     photos: Vec<AboutPhoto<T>>,
@@ -58,19 +58,19 @@ struct TruthSigma {
     sigma: Option<Sigma>,
 }
 
-/// The true viewpoints of some photos, in their order.
+/// Reads the true viewpoints of some photos, in their order.
 pub fn true_views(path: &Path, files: &[&str]) -> Result<Vec<Viewpoint>, TruthError> {
     let keys = "\"azimuth_deg\": …, \"pitch_deg\": …, \"distance_mm\": …";
     about(path, files, keys, |view: &Viewpoint| *view)
 }
 
-/// The standard deviations of these viewpoints themselves, where the file states them as `sigma`; 0 otherwise.
+/// Reads the standard deviations of the true viewpoints themselves, where the file states them as `sigma`; 0 otherwise.
 pub(super) fn true_sigmas(path: &Path, files: &[&str]) -> Result<Vec<Sigma>, TruthError> {
     let keys = "\"sigma\": {\"azimuth_deg\": …, \"pitch_deg\": …, \"distance_mm\": …}";
     about(path, files, keys, |truth: &TruthSigma| truth.sigma.unwrap_or(EXACT))
 }
 
-/// The exact boxes around the model's outline in some photos, in their order, px.
+/// Reads the exact boxes around the model's outline in some photos, in their order, px.
 pub fn true_boxes(path: &Path, files: &[&str]) -> Result<Vec<BoxPx>, TruthError> {
     let keys = "\"box_xyxy_px\": [x1, y1, x2, y2]";
     about(path, files, keys, |truth: &TrueBox| truth.box_xyxy_px)

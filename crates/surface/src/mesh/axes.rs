@@ -1,6 +1,6 @@
-//! Where a vehicle's front and top are in its mesh file, by its shape alone.
+//! Proposal of a vehicle's front and top in its mesh file, by its shape alone.
 //!
-//! Four findings decide, each held against a margin below which there is no answer: a vehicle is longest from front to rear; its left side mirrors
+//! Four findings decide, each with a margin below which there is no answer: a vehicle is longest from front to rear; its left side mirrors
 //! its right side; it stands on wheels, with air between the axles; its nose is lower than its tail, with the cabin behind the middle. On 19 cars
 //! (docs/guide/reference/measured.md) every margin was passed.
 
@@ -8,31 +8,32 @@ use nalgebra::Point3;
 
 use super::{Mesh, SignedAxis};
 
-/// Points on the surface that are looked at, besides the corners of the triangles.
+/// Number of points on the surface that are sampled, besides the corners of the triangles.
 const SAMPLES: f64 = 60_000.0;
-/// Cells along the longest side in which a mirrored point may meet another.
+/// Number of cells along the longest side; a mirrored point is compared with those near it.
 const CELLS: usize = 48;
-/// The least share of the surface that meets its mirror image: of left and right 0.95 and more, of front and rear up to 0.92, of top and
+/// Least share of the surface that lies at its mirror image: of left and right 0.95 and more, of front and rear up to 0.92, of top and
 /// bottom up to 0.83.
 const MIRRORED: f64 = 0.9;
-/// By how much more of the surface the sides mirror each other than top and bottom do.
+/// Least share of the surface by which the sides mirror each other more than top and bottom do.
 const MORE_MIRRORED: f64 = 0.08;
-/// The longest side over the second longest one.
+/// Least ratio of the longest side to the second longest one.
 const LONGER: f64 = 1.15;
-/// Columns of an outline, from rear to front.
+/// Number of columns of an outline, from rear to front.
 const COLUMNS: usize = 64;
-/// What is within this share of the height is at the ground, or at the roof.
+/// Share of the height within which a point is at the ground, or at the roof.
 const NEAR: f64 = 0.06;
-/// Between the axles lie 0.42 to 0.56 of the length, between roof and spoiler up to 0.23.
+/// Least difference between the gaps below and above, as a share of the length. Between the axles lie 0.42 to 0.56 of it, between roof and spoiler up
+/// to 0.23.
 const WIDER_GAP: f64 = 0.12;
-/// Without wheels: by how much more of the outline's box is air above it than below it.
+/// Without wheels: least difference between the air above and below in the outline's box, as a share of it.
 const MORE_AIR: f64 = 0.08;
-/// How much lower the first quarter is than the last, as a share of the height: 0.13 to 0.35. Much more is a lorry that carries nothing.
+/// Height by which the first quarter is lower than the last, as a share of the whole: 0.13 to 0.35. Much more is a lorry that carries nothing.
 const NOSE_LOWER: std::ops::RangeInclusive<f64> = 0.08..=0.45;
-/// Where what is higher than three quarters lies in the mean, from the rear: up to 0.42.
+/// Limit for the mean place, from the rear, of all that is higher than three quarters: up to 0.42.
 const CABIN: f64 = 0.47;
 
-/// A vehicle's front and top in its mesh file, and what they were seen by, as a clause each.
+/// A vehicle's front and top in its mesh file, and the evidence for each, as a clause.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AxesProposal {
     pub front: SignedAxis,
@@ -41,7 +42,7 @@ pub struct AxesProposal {
     pub up_because: &'static str,
 }
 
-/// Why the shape does not tell: two answers are equally good, or none is.
+/// Reason why the shape does not tell: two answers are equally good, or none is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum AxesDoubt {
     #[error("no side is clearly the longest, so its front and its top cannot be told by its shape")]
@@ -58,7 +59,7 @@ pub enum AxesDoubt {
     Ends { axis: SignedAxis, up: SignedAxis },
 }
 
-/// Finds the front and the top in the frame of the mesh's file; what is `given` of the two is taken.
+/// Finds the front and the top in the frame of the mesh's file; those that are `given` are taken.
 pub fn propose_axes(mesh: &Mesh, given: [Option<SignedAxis>; 2]) -> Result<AxesProposal, AxesDoubt> {
     let cloud = Cloud::new(mesh);
     let [front, up] = given;
@@ -129,7 +130,7 @@ impl Cloud {
         }
     }
 
-    /// The axis from rear to front.
+    /// Returns the axis from rear to front.
     fn longest(&self, up: Option<SignedAxis>) -> Result<usize, AxesDoubt> {
         let mut axes: Vec<usize> = (0..3).filter(|axis| up.is_none_or(|up| up.index() != *axis)).collect();
         axes.sort_by(|a, b| self.sides[*b].total_cmp(&self.sides[*a]));
@@ -137,7 +138,7 @@ impl Cloud {
         is_clear.then_some(axes[0]).ok_or(AxesDoubt::NoLength)
     }
 
-    /// The axis from bottom to top: of the two across the length, the one along which the vehicle does not mirror itself.
+    /// Returns the axis from bottom to top: of the two across the length, the one along which the vehicle does not mirror itself.
     fn upright(&self, length: usize) -> Result<usize, AxesDoubt> {
         let [a, b] = [(length + 1) % 3, (length + 2) % 3];
         let [mirrored_a, mirrored_b] = [a, b].map(|axis| self.mirrored(axis));
@@ -150,9 +151,9 @@ impl Cloud {
         Ok(if mirrored_a > mirrored_b { b } else { a })
     }
 
-    /// The share of the surface that is no more than a cell from its mirror image along an axis.
+    /// Returns the share of the surface that is no more than a cell from its mirror image along an axis.
     fn mirrored(&self, axis: usize) -> f64 {
-        // A cell more on every side.
+        // Room for the neighbours of the outermost cells.
         let side = CELLS + 4;
         let cell = |p: &Point3<f64>| [p.x, p.y, p.z].map(|v| ((v + 0.5) * CELLS as f64).floor() as i64 + 2);
         let index = |[x, y, z]: [i64; 3]| (x as usize * side + y as usize) * side + z as usize;
@@ -210,7 +211,7 @@ impl Outline {
         self.columns.iter().copied().filter(|(low, high)| low <= high)
     }
 
-    /// Whether up is along the axis or against it, and how that is seen.
+    /// Returns the direction of up, along the axis or against it, and the evidence.
     fn up(&self, along: SignedAxis) -> Option<(SignedAxis, &'static str)> {
         let [below, above] = [
             gap(&self.columns, |(low, _)| low < NEAR),
@@ -231,7 +232,7 @@ impl Outline {
         }
     }
 
-    /// Whether the front is along the axis or against it, and how that is seen.
+    /// Returns the direction of the front, along the axis or against it, and the evidence.
     fn front(&self, along: SignedAxis) -> Option<(SignedAxis, &'static str)> {
         let mean = |columns: &[(f64, f64)]| {
             let highs: Vec<f64> = columns
@@ -246,7 +247,7 @@ impl Outline {
         let high = (0..COLUMNS).filter(|i| self.columns[*i].1 > 0.75);
         let places: Vec<f64> = high.map(|i| (i as f64 + 0.5) / COLUMNS as f64).collect();
         let cabin = places.iter().sum::<f64>() / places.len().max(1) as f64;
-        // From the end that would be the rear.
+        // Place of the cabin from the end that would be the rear.
         let from_rear = if lower > 0.0 { cabin } else { 1.0 - cabin };
         let is_vehicle = NOSE_LOWER.contains(&lower.abs()) && from_rear < CABIN;
         let front = if lower > 0.0 { along } else { along.opposite() };
@@ -254,7 +255,7 @@ impl Outline {
     }
 }
 
-/// The longest run of columns between two for which something holds, as a share of all.
+/// Returns the longest run of columns between two for which something holds, as a share of all.
 fn gap(columns: &[(f64, f64)], holds: impl Fn((f64, f64)) -> bool) -> f64 {
     let places: Vec<usize> = (0..columns.len()).filter(|i| holds(columns[*i])).collect();
     let runs = places.windows(2).map(|pair| pair[1] - pair[0] - 1);

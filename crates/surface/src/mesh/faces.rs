@@ -5,12 +5,12 @@ use std::path::Path;
 use super::{MAX_TRIANGLES, Mesh, MeshError};
 use scaleproof_core::files;
 
-/// Nine bytes a triangle, and room for comments of an editor.
+/// Size of the largest file: nine bytes a triangle, and room for comments of an editor.
 const MOST_BYTES: u64 = 16 * MAX_TRIANGLES as u64;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct FaceList {
-    /// Each once, rising.
+    /// Indices of triangles, each once, ascending.
     pub(super) indices: Vec<usize>,
     /// Entries of the file beyond the first of each triangle.
     pub repeated: usize,
@@ -27,7 +27,7 @@ impl FaceList {
         })
     }
 
-    /// The triangles of some materials; none when no material is named.
+    /// Returns the triangles of some materials; none when no material is named.
     pub fn from_materials(mesh: &Mesh, materials: &[usize]) -> Self {
         let is_painted = |i: &usize| materials.contains(&mesh.triangles()[*i].material);
         Self {

@@ -9,11 +9,11 @@ use super::gltf_look::{Placing, looks};
 use super::image::Look;
 use super::{Soup, Trouble, corner};
 
-/// The header of the file: the magic word, the version, the length of the whole.
+/// Length of the file's header: the magic word, the version, the length of the whole.
 const HEADER: usize = 12;
-/// Deeper trees than this are circles.
+/// Largest depth of the tree: deeper ones are circles.
 const MAX_DEPTH: usize = 100;
-/// Extensions that may be required, as they say nothing of where a surface is, or are met where they matter: packed data, images.
+/// Extensions that may be required, as they say nothing of where a surface is, or are handled where they matter: packed data, images.
 const PASSED_OVER: [&str; 9] = [
     "KHR_materials_",
     "KHR_texture_",
@@ -26,9 +26,9 @@ const PASSED_OVER: [&str; 9] = [
     "KHR_meshopt_compression",
 ];
 const DRACO: &str = "KHR_draco_mesh_compression";
-/// Many copies of a node's mesh, each placed by an accessor.
+/// Extension by which a node has many copies of its mesh, each placed by an accessor.
 const INSTANCES: &str = "EXT_mesh_gpu_instancing";
-/// What a primitive without a material is called.
+/// Name of the material of a primitive without one.
 const NO_MATERIAL: &str = "none";
 
 pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
@@ -47,11 +47,11 @@ pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
 
 struct File {
     buffers: Buffers,
-    /// Of each material.
+    /// Look of each material.
     looks: Vec<Look>,
 }
 
-/// The checked tree and the data beside it. What the gltf crate trusts although damaged files have it wrong is looked at first.
+/// Returns the checked tree and the data beside it. Fields that the gltf crate trusts although damaged files have them wrong are checked first.
 fn document(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), Trouble> {
     let length = bytes.get(8..).and_then(|rest| rest.first_chunk::<4>());
     let length = length.map_or(bytes.len(), |length| u32::from_le_bytes(*length) as usize);
@@ -83,7 +83,7 @@ fn document(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), Trouble> {
     Ok((document, glb.bin.map(|data| data.into_owned())))
 }
 
-/// `budget` is how many nodes may still be visited: a damaged tree can name a node again and again.
+/// Reads a node and those below it. `budget` is the number of nodes that may still be visited: a damaged tree can name a node again and again.
 fn visit(
     node: &Node,
     parent: &Matrix4<f64>,
@@ -155,7 +155,7 @@ fn read_primitive(primitive: &Primitive, to_scene: &Matrix4<f64>, file: &File, s
     Ok(())
 }
 
-/// Those that the material's image is laid on with, v up; none where the file has none that can be read, since most commands need none.
+/// Returns the texture coordinates of the material's image, with v up; none where the file has none that can be read, since most commands need none.
 fn texture_coordinates(primitive: &Primitive, buffers: &Buffers) -> Vec<[f64; 2]> {
     let placing = Placing::new(&primitive.material());
     let accessor = primitive.get(&Semantic::TexCoords(placing.set));

@@ -20,7 +20,7 @@ use scaleproof_core::files;
 /// Both names of the extension that packs views with meshoptimizer.
 const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
-/// The buffers of a file; of one that cannot be read, why.
+/// The buffers of a file; of one that cannot be read, the reason.
 pub(super) struct Buffers(Vec<Result<Arc<[u8]>, String>>);
 
 impl Buffers {
@@ -28,7 +28,7 @@ impl Buffers {
         let (mut chunk, mut room) = (chunk, MAX_BYTES);
         let buffers = document.as_json().buffers.iter().enumerate();
         let buffers = buffers.map(|(i, buffer)| {
-            // Only the first buffer is the chunk's, and what stands for unpacked data is nobody's (glTF 2.0, section 4.4.3.3).
+            // Only the first buffer is the chunk's, and a stand-in for unpacked data has no bytes (glTF 2.0, section 4.4.3.3).
             let chunk = chunk.take_if(|_| i == 0 && !is_stand_in(buffer));
             let bytes = content(buffer, chunk, folder, room)?;
             room = room.saturating_sub(bytes.len());
@@ -39,7 +39,7 @@ impl Buffers {
         Self(buffers.collect())
     }
 
-    /// The buffer of a view, and where the view lies in it.
+    /// Returns the buffer of a view, and the range of the view in it.
     ///
     /// # Errors
     /// A view that is packed, beyond its buffer's end, or of a buffer that cannot be read; as a clause.
@@ -63,7 +63,7 @@ impl Buffers {
         buffer.ok_or("its data are nowhere")?.as_ref().map_err(Clone::clone)
     }
 
-    /// The bytes of each item of an accessor. The gltf crate's own readers trust offsets and counts, which damaged files have wrong.
+    /// Returns the bytes of each item of an accessor. The gltf crate's own readers trust offsets and counts, which damaged files have wrong.
     fn items<'a>(&'a self, accessor: &Accessor) -> Result<impl Iterator<Item = &'a [u8]> + use<'a>, Trouble> {
         let (Some(view), None) = (accessor.view(), accessor.sparse()) else {
             return Err(Trouble::damaged("it has sparse data, which this program does not read"));
@@ -80,7 +80,7 @@ impl Buffers {
         Ok((0..count).map(move |i| &data[i * stride..i * stride + size]))
     }
 
-    /// Tuples of numbers of any type.
+    /// Returns tuples of numbers of any type.
     pub(super) fn tuples<'a, const N: usize>(
         &'a self,
         accessor: &Accessor,
@@ -104,7 +104,7 @@ impl Buffers {
     }
 }
 
-/// Whether a buffer has no bytes but stands for what packed views unpack to.
+/// Returns true if a buffer has no bytes but stands for what packed views unpack to.
 fn is_stand_in(buffer: &Buffer) -> bool {
     let extensions = buffer.extensions.as_ref().map(|extensions| &extensions.others);
     let is_fallback = |name: &&str| extensions?.get::<str>(name)?.get("fallback")?.as_bool();
@@ -128,10 +128,10 @@ fn content(buffer: &Buffer, chunk: Option<Vec<u8>>, folder: &Path, room: usize) 
     }
 }
 
-/// What a URI of a glTF leads to.
+/// Content of a URI of a glTF.
 pub(super) enum UriContent {
     Inside(Vec<u8>),
-    /// A data URI that is no base64.
+    /// A data URI that is not base64.
     Unread,
     Elsewhere(ImageSource),
 }
@@ -147,8 +147,8 @@ pub(super) fn uri_content(uri: &str, folder: &Path) -> UriContent {
     }
 }
 
-/// The number with an index in some bytes. Normalised ones stand for 0 to 1, or -1 to 1 (glTF 2.0, section 3.6.2.2); surfaces may have any type
-/// (`KHR_mesh_quantization`).
+/// Returns the function that reads the number with an index in some bytes. Normalised ones stand for 0 to 1, or -1 to 1 (glTF 2.0, section 3.6.2.2);
+/// surfaces may have any type (`KHR_mesh_quantization`).
 fn number(kind: DataType, normalized: bool) -> Option<fn(&[u8], usize) -> f64> {
     Some(match (kind, normalized) {
         (DataType::I8, true) => |b, i| (f64::from(b[i] as i8) / 127.0).max(-1.0),

@@ -1,4 +1,4 @@
-//! What the materials of a glTF look like: their base colours, and which texture coordinates these are laid on with.
+//! Looks of the materials of a glTF: their base colours, and the texture coordinates of these.
 
 use std::path::Path;
 
@@ -12,13 +12,13 @@ use super::image::{ImageSource, Look, Wrap};
 /// The older description of materials, in which the image of a surface may stand alone.
 const SPECULAR: &str = "KHR_materials_pbrSpecularGlossiness";
 
-/// Of each material.
+/// Returns the look of each material.
 pub(super) fn looks(document: &Document, buffers: &Buffers, folder: &Path) -> Vec<Look> {
     let images = sources(document, buffers, folder);
     document.materials().map(|material| look(&material, &images)).collect()
 }
 
-/// The base colour: an image times a factor, or the factor alone (glTF 2.0, section 3.9.2).
+/// Returns the base colour: an image times a factor, or the factor alone (glTF 2.0, section 3.9.2).
 fn look(material: &Material, images: &[ImageSource]) -> Look {
     let base = material.pbr_metallic_roughness();
     let texture = base.base_color_texture().map(|info| info.texture());
@@ -46,7 +46,7 @@ fn look(material: &Material, images: &[ImageSource]) -> Look {
     }
 }
 
-/// The index of a texture's image: a plain one, else a WebP.
+/// Returns the index of a texture's image: a plain one, else a WebP.
 fn source(texture: &Texture) -> Option<usize> {
     let webp = || texture.extension_value("EXT_texture_webp")?.get("source")?.as_u64();
     let plain = texture.source().map(|image| image.index());
@@ -65,7 +65,7 @@ fn refused(reason: &str) -> ImageSource {
     ImageSource::Refused(format!("its image {reason}"))
 }
 
-/// Of each image. The gltf crate's own reader trusts that embedded ones name their type.
+/// Returns the source of each image. The gltf crate's own reader trusts that embedded ones name their type.
 fn sources(document: &Document, buffers: &Buffers, folder: &Path) -> Vec<ImageSource> {
     let inside = |view: usize| {
         let view = document.views().nth(view).ok_or("its data are nowhere")?;
@@ -84,7 +84,7 @@ fn sources(document: &Document, buffers: &Buffers, folder: &Path) -> Vec<ImageSo
     document.as_json().images.iter().map(source).collect()
 }
 
-/// Which set of coordinates a material takes, and where they lie in its image (`KHR_texture_transform`).
+/// Set of texture coordinates that a material takes, and their transform in its image (`KHR_texture_transform`).
 #[derive(Default)]
 pub(super) struct Placing {
     pub set: u32,
@@ -116,8 +116,8 @@ impl Placing {
         }
     }
 
-    /// From v down, as stored, to v up. Scaled, turned counter-clockwise as an image with v down is seen, then moved. The extension's listing
-    /// turns the other way; its text, its sample model and the engines turn this way (glTF issue 1563).
+    /// Transforms coordinates from v down, as stored, to v up. Scaled, turned counter-clockwise as an image with v down is seen, then moved. The
+    /// extension's listing turns the other way; its text, its sample model and the engines turn this way (glTF issue 1563).
     pub(super) fn place(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         let Some(Affine { offset, sin_cos, scale }) = &self.transform else {
             return [u, 1.0 - v];

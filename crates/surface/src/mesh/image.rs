@@ -1,4 +1,4 @@
-//! Where the image of a material is, and how coordinates lie in it. Nothing is read or decoded here: most commands need no image.
+//! Source of a material's image, and its wrapping. Nothing is read or decoded here: most commands need no image.
 
 use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
@@ -6,21 +6,21 @@ use std::sync::Arc;
 
 use scaleproof_core::files;
 
-/// What a material looks like by the mesh's file.
+/// Look of a material by the mesh's file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Look {
-    /// `None`: its factor is its colour.
+    /// Image; without one the factor is the colour.
     pub image: Option<ImageSource>,
-    /// To the right and up.
+    /// Wrapping to the right and up.
     pub wrap: [Wrap; 2],
-    /// What the image's colours are multiplied by, in linear light.
+    /// Factor of the image's colours, in linear light.
     pub factor: [f64; 3],
-    /// What the image's alpha is multiplied by; `None`: its alpha says nothing.
+    /// Factor of the image's alpha; `None`: the alpha is ignored.
     pub alpha: Option<f64>,
 }
 
 impl Look {
-    /// A material that shows an image without changes.
+    /// Makes the look of a material that shows an image without changes.
     pub(super) fn plain(image: ImageSource) -> Self {
         Self {
             image: Some(image),
@@ -36,14 +36,14 @@ pub enum ImageSource {
     File(PathBuf),
     /// Within the mesh's file: some of its bytes. Many materials share them.
     Inside(Arc<[u8]>, Range<usize>),
-    /// Why there is none, as a clause.
+    /// Reason why there is none, as a clause.
     Refused(String),
 }
 
 impl ImageSource {
-    /// An image that a mesh's file names. Files come from strangers: they name only what lies in their own folder or below.
+    /// Returns the image that a mesh's file names. Files come from strangers: they name only what lies in their own folder or below.
     pub(super) fn beside(folder: &Path, name: &str) -> Self {
-        // Programs for Windows write folders so.
+        // Programs for Windows write folders with backslashes.
         let name = name.replace('\\', "/");
         let has_drive = name.as_bytes().get(1) == Some(&b':');
         let is_below = Path::new(&name)
@@ -65,13 +65,13 @@ impl ImageSource {
     }
 }
 
-/// Whether links lead a path that is there out of the folder.
+/// Returns true if links lead a path that is there out of the folder.
 fn leads_out(folder: &Path, path: &Path) -> bool {
     let folder = files::folder_of(&folder.join("-")).canonicalize();
     matches!((folder, path.canonicalize()), (Ok(folder), Ok(path)) if !path.starts_with(&folder))
 }
 
-/// What lies beyond the borders of an image.
+/// Continuation of an image beyond its borders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wrap {
     Repeat,
@@ -80,7 +80,7 @@ pub enum Wrap {
 }
 
 impl Wrap {
-    /// The place within the image, from 0 to 1.
+    /// Returns the place within the image, from 0 to 1.
     pub fn within(self, coordinate: f64) -> f64 {
         match self {
             Self::Repeat => coordinate - coordinate.floor(),

@@ -40,18 +40,18 @@ use scaleproof_core::geometry::NoDirection;
 use scaleproof_core::geometry::length::shown;
 use scaleproof_core::spelling;
 
-/// Larger files are no model for a table. A triangle takes 50 bytes in a binary STL.
+/// Size of the largest file, bytes: larger ones are no model for a table. A triangle takes 50 bytes in a binary STL.
 pub const MAX_BYTES: usize = 200_000_000;
-/// More triangles than this take minutes to print and show nothing more.
+/// Largest number of triangles: more take minutes to print and show nothing more.
 pub const MAX_TRIANGLES: usize = 1_000_000;
 /// The longest side of a model that is printed, mm. A file in metres is below, one in micrometres or damaged is above.
 const LONGEST_SIDE_MM: std::ops::RangeInclusive<f64> = 10.0..=5000.0;
-/// A scale model that is longer than this was measured: a bus at 1:10 is 1.2 m.
+/// Longest side of a scale model whose length is not given, mm: a bus at 1:10 is 1.2 m.
 const LONGEST_UNMEASURED_MM: f64 = 1500.0;
-/// A coordinate beyond this is damage: a thousand kilometres in mm.
+/// Largest coordinate: more is damage. A thousand kilometres in mm.
 const MAX_COORDINATE: f64 = 1e9;
 
-/// Why there is no mesh. Each variant says what to change.
+/// Reason why there is no mesh. Each variant says what to change.
 #[derive(Debug, thiserror::Error)]
 pub enum MeshError {
     #[error(transparent)]
@@ -100,9 +100,9 @@ pub struct Mesh {
     points: Vec<Point3<f64>>,
     triangles: Vec<Triangle>,
     materials: Vec<String>,
-    /// Of each material; empty when none has any.
+    /// Look of each material; empty when none has any.
     looks: Vec<Option<Look>>,
-    /// Of each triangle; empty when the file has none.
+    /// Texture coordinates of each triangle; empty when the file has none.
     coordinates: Vec<Option<TextureCoordinates>>,
     frame: placement::FileFrame,
 }
@@ -118,13 +118,13 @@ pub struct Triangle {
 }
 
 impl Triangle {
-    /// [`edges`] of its corners.
+    /// Returns the [`edges`] of its corners.
     pub fn edges(&self) -> [[usize; 2]; 3] {
         edges(self.corners)
     }
 }
 
-/// The edges of a triangle from its first corner on, each with its corners in rising order.
+/// Returns the edges of a triangle from its first corner on, each with its corners in rising order.
 pub fn edges([a, b, c]: [usize; 3]) -> [[usize; 2]; 3] {
     [[a, b], [b, c], [c, a]].map(|[p, q]| [p.min(q), p.max(q)])
 }
@@ -168,7 +168,7 @@ impl Mesh {
         }
     }
 
-    /// A box on the ground in the model frame, of one material called `box`; `size_mm` is length, width, height.
+    /// Makes a box on the ground in the model frame, of one material called `box`; `size_mm` is length, width, height.
     pub fn cuboid(size_mm: [f64; 3]) -> Self {
         let corner = |i: usize| {
             let side = |bit: usize| if i >> bit & 1 == 1 { 0.5 } else { -0.5 };
@@ -193,7 +193,7 @@ impl Mesh {
         }
     }
 
-    /// Every corner of the triangles once, model frame, mm.
+    /// Returns every corner of the triangles once, model frame, mm.
     pub fn points(&self) -> &[Point3<f64>] {
         &self.points
     }
@@ -202,48 +202,48 @@ impl Mesh {
         &self.triangles
     }
 
-    /// Where the corners of a triangle lie in its image; `None` where the file does not say.
+    /// Returns the places of a triangle's corners in its image; `None` where the file does not say.
     pub fn coordinates(&self, triangle: usize) -> Option<TextureCoordinates> {
         self.coordinates.get(triangle).copied().flatten()
     }
 
-    /// What a material looks like; `None` where the file does not say.
+    /// Returns the look of a material; `None` where the file does not say.
     pub fn look(&self, material: usize) -> Option<&Look> {
         self.looks.get(material).and_then(Option::as_ref)
     }
 
-    /// Model frame, mm.
+    /// Returns the corners of a triangle, model frame, mm.
     pub fn corners_mm(&self, triangle: &Triangle) -> [Point3<f64>; 3] {
         triangle.corners.map(|i| self.points[i])
     }
 
-    /// The corners of the triangle with this index, model frame, mm.
+    /// Returns the corners of the triangle with this index, model frame, mm.
     pub fn triangle_mm(&self, index: usize) -> [Point3<f64>; 3] {
         self.corners_mm(&self.triangles[index])
     }
 
-    /// The outward normal of the triangle with this index, as long as twice its area in mm².
+    /// Returns the outward normal of the triangle with this index, as long as twice its area in mm².
     pub fn normal_mm2(&self, index: usize) -> Vector3<f64> {
         doubled_area(&self.triangle_mm(index))
     }
 
-    /// The indices of the triangles of some materials; all triangles when none is named.
+    /// Returns the indices of the triangles of some materials; all triangles when none is named.
     pub fn painted(&self, materials: &[usize]) -> impl Iterator<Item = usize> + Clone {
         let is_paint = move |i: &usize| materials.is_empty() || materials.contains(&self.triangles[*i].material);
         (0..self.triangles.len()).filter(is_paint)
     }
 
-    /// A point of the model frame, mm, in the frame and unit of the mesh's file.
+    /// Maps a point of the model frame, mm, to the frame and unit of the mesh's file.
     pub fn in_file(&self, point_mm: &Point3<f64>) -> Point3<f64> {
         self.frame.to_file(point_mm)
     }
 
-    /// The names of the materials, in the file's order.
+    /// Returns the names of the materials, in the file's order.
     pub fn materials(&self) -> &[String] {
         &self.materials
     }
 
-    /// Which materials these names mean.
+    /// Returns the indices of the materials of these names.
     pub fn materials_named(&self, names: &[String]) -> Result<Vec<usize>, MeshError> {
         let unknown = |name: &&String| !self.materials.contains(name);
         if let Some(name) = names.iter().find(unknown) {
@@ -260,7 +260,7 @@ impl Mesh {
         Ok((0..self.materials.len()).filter(is_named).collect())
     }
 
-    /// What a name that no material has was to be: a file, several names with commas, or one that is misspelt.
+    /// Returns a hint on a name that no material has: a file, several names with commas, or one that is misspelt.
     fn hint(&self, name: &str) -> String {
         let is_several = name.contains(',')
             && name
@@ -275,7 +275,7 @@ impl Mesh {
         }
     }
 
-    /// Gives some triangles materials of their own, and says which those are: one for each material that they were of.
+    /// Gives some triangles materials of their own, one for each material that they were of, and returns these.
     #[must_use]
     pub fn with_paint(mut self, faces: &FaceList) -> (Self, Vec<usize>) {
         let count = self.materials.len();
@@ -286,7 +286,7 @@ impl Mesh {
                 continue;
             };
             let old = triangle.material;
-            // Two entries of one face.
+            // The face was listed before, and has its own material.
             let Some(of_old) = of_old.get_mut(old) else { continue };
             triangle.material = *of_old.get_or_insert_with(|| {
                 self.materials.push(format!("{} (paint)", self.materials[old]));
@@ -298,7 +298,7 @@ impl Mesh {
         (self, paint)
     }
 
-    /// The lowest and the highest corner of the box around the whole mesh, model frame, mm.
+    /// Returns the lowest and the highest corner of the box around the whole mesh, model frame, mm.
     pub fn bounds_mm(&self) -> (Point3<f64>, Point3<f64>) {
         let start = (Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3]));
         self.points
@@ -306,7 +306,7 @@ impl Mesh {
             .fold(start, |(low, high), p| (low.inf(p), high.sup(p)))
     }
 
-    /// Refuses what is no model for a table: a file in another unit, or damaged.
+    /// Refuses a mesh that is no model for a table: a file in another unit, or damaged.
     pub fn check_is_model(&self) -> Result<(), MeshError> {
         let size = self.size_mm();
         if LONGEST_SIDE_MM.contains(&size.into_iter().fold(0.0, f64::max)) {
@@ -331,19 +331,19 @@ impl Mesh {
         })
     }
 
-    /// Length, width and height of the box around the whole mesh, mm.
+    /// Returns length, width and height of the box around the whole mesh, mm.
     pub fn size_mm(&self) -> [f64; 3] {
         let (low, high) = self.bounds_mm();
         (high - low).into()
     }
 }
 
-/// The outward normal of a triangle, not normalised: as long as twice its area.
+/// Returns the outward normal of a triangle, not normalised: as long as twice its area.
 pub fn doubled_area(corners: &[Point3<f64>; 3]) -> Vector3<f64> {
     (corners[1] - corners[0]).cross(&(corners[2] - corners[0]))
 }
 
-/// To a micrometre, for sentences.
+/// Rounds to a micrometre, for sentences.
 fn rounded(mm: f64) -> f64 {
     (mm * 1000.0).round() / 1000.0
 }
@@ -362,12 +362,12 @@ impl Trouble {
 /// A mesh while its file is read, in the file's frame and unit.
 #[derive(Default)]
 struct Soup {
-    /// Where the file lies.
+    /// Folder of the file.
     folder: PathBuf,
     mesh: Mesh,
-    /// The materials of each name.
+    /// Indices of the materials of each name.
     named: HashMap<String, Vec<usize>>,
-    /// The index of each place met so far, by the bits of its coordinates.
+    /// Index of each place read so far, by the bits of its coordinates.
     index: HashMap<[u64; 3], usize>,
 }
 
@@ -403,7 +403,7 @@ impl Soup {
         Ok(())
     }
 
-    /// Adds a face of a mesh file, of any outline that does not cross itself. `name` is what a message calls it.
+    /// Adds a face of a mesh file, of any outline that does not cross itself. A message calls it by `name` and `number`.
     fn face(&mut self, corners: &[Corner], material: usize, name: &str, number: usize) -> Result<(), Trouble> {
         let places: Vec<_> = corners.iter().map(|(place, _)| *place).collect();
         let triangles = polygon::triangles(&places);

@@ -20,12 +20,12 @@ pub(super) struct Map {
 }
 
 impl Map {
-    /// Where a coordinate of the mesh lies in the image.
+    /// Returns the place of a coordinate of the mesh in the image.
     pub(super) fn place(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         [self.scale[0] * u + self.offset[0], self.scale[1] * v + self.offset[1]]
     }
 
-    /// What stands after `map_Kd`: options, then the file's name, blanks included.
+    /// Parses the text after `map_Kd`: options, then the file's name, blanks included.
     fn parse(text: &str, folder: &Path) -> Self {
         let (mut scale, mut offset, mut wrap) = ([1.0; 2], [0.0; 2], Wrap::Repeat);
         let mut rest = text.trim();
@@ -69,7 +69,7 @@ fn first_word(text: &str) -> (&str, &str) {
     (word, rest.trim_start())
 }
 
-/// Up to three numbers, of which the third is a depth that images do not have.
+/// Parses up to three numbers, of which the third is a depth that images do not have.
 fn pair(rest: &mut &str, numbers: &mut [f64; 2]) {
     for i in 0..3 {
         let (word, after) = first_word(rest);
@@ -81,7 +81,7 @@ fn pair(rest: &mut &str, numbers: &mut [f64; 2]) {
     }
 }
 
-/// The maps of the materials of a library; the last of a name counts.
+/// Returns the maps of the materials of a library; the last of a name counts.
 pub(super) fn maps(text: &str, folder: &Path) -> HashMap<String, Map> {
     let mut maps = HashMap::new();
     let mut name = None;

@@ -11,9 +11,9 @@ use super::text::{joined, lines};
 use super::{Corner, Soup, Trouble};
 use scaleproof_core::files;
 
-/// What faces before the first `usemtl` are of.
+/// Name of the material of faces before the first `usemtl`.
 const NO_MATERIAL: &str = "none";
-/// Libraries are text of some lines a material.
+/// Size of the largest library: text of some lines a material.
 const MOST_LIBRARY_BYTES: u64 = 16 << 20;
 
 /// A corner of a face: its place and its texture coordinates, counted from 1.
@@ -22,7 +22,7 @@ type Indices = (i64, Option<i64>);
 /// A polygon, the line that it stands on, and its material.
 type Face<'a> = (Vec<Indices>, usize, &'a str);
 
-/// The lines that matter.
+/// Parsed lines of the file.
 #[derive(Default)]
 struct Lines<'a> {
     points: Vec<Point3<f64>>,
@@ -86,7 +86,7 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// Three numbers of 32 bits; a fourth one alone divides them, and colours may follow instead.
+/// Parses three numbers of 32 bits; a fourth one alone divides them, and colours may follow instead.
 fn point(text: &str) -> Option<Point3<f64>> {
     let mut words = text.split_whitespace();
     let number = |words: &mut SplitWhitespace| words.next()?.parse::<f32>().ok();
@@ -99,14 +99,14 @@ fn point(text: &str) -> Option<Point3<f64>> {
     Some(Point3::new(x / divisor, y / divisor, z / divisor).map(f64::from))
 }
 
-/// What is no number stays as NaN: it is refused when a texture is laid on, and positions alone are whole.
+/// Parses texture coordinates. A word that is no number becomes NaN: it is refused when a texture is laid on, and positions alone are whole.
 fn coordinates(text: &str) -> [f64; 2] {
     let mut words = text.split_whitespace();
     let [u, v] = [words.next(), words.next().or(Some("0"))];
     [u, v].map(|word| word.and_then(|w| w.parse().ok()).unwrap_or(f64::NAN))
 }
 
-/// `place/coordinates/normal`, of which the place alone is required. Numbers count from 1, or back from the line before.
+/// Parses `place/coordinates/normal`, of which the place alone is required. Numbers count from 1, or back from the line before.
 fn indices(word: &str, [points, coordinates]: [usize; 2]) -> Option<Indices> {
     let mut parts = word.split('/');
     let index = |part: &str, count: usize| match part.parse::<i64>().ok()? {
@@ -122,21 +122,21 @@ fn indices(word: &str, [points, coordinates]: [usize; 2]) -> Option<Indices> {
     Some((place, coordinates))
 }
 
-/// The element with a number that counts from 1.
+/// Returns the element with a number that counts from 1.
 fn numbered<T: Copy>(elements: &[T], number: i64) -> Option<T> {
     elements.get(usize::try_from(number.checked_sub(1)?).ok()?).copied()
 }
 
-/// What the libraries say.
+/// Contents of the material libraries.
 #[derive(Default)]
 struct Library {
     maps: HashMap<String, Map>,
-    /// The first line of which one cannot be read.
+    /// First line that names a library which cannot be read.
     unread: Option<String>,
 }
 
 impl Library {
-    /// Only libraries in the mesh's own folder; without one the mesh has its places and names still.
+    /// Reads libraries in the mesh's own folder only; without one the mesh has its places and names still.
     fn read(lines: &[&str], soup: &Soup) -> Self {
         let mut library = Self::default();
         for line in lines {
@@ -167,7 +167,7 @@ impl Library {
     }
 }
 
-/// A line names one file with blanks, or several.
+/// Returns the files that a line names: one with blanks, or several.
 fn names<'a>(line: &'a str, soup: &Soup) -> Vec<&'a str> {
     if soup.folder.join(line).is_file() {
         vec![line]

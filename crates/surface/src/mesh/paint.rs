@@ -1,7 +1,7 @@
-//! Which materials of a mesh are its paint, by their names and by how much of them is seen.
+//! Proposal of the materials that are a mesh's paint, by their names and by how much of them is seen.
 
 const PAINT: [&str; 7] = ["paint", "body", "lack", "karosserie", "livery", "coat", "exterior"];
-/// In names of what is not.
+/// Words in the names of other materials.
 const OTHER: [&str; 33] = [
     "glass",
     "glas",
@@ -37,9 +37,9 @@ const OTHER: [&str; 33] = [
     "chassis",
     "rims",
 ];
-/// Of what is seen, a material that is called paint has at least this share.
+/// Least share of the visible surface that a material which is called paint has.
 const SEEN: f64 = 0.05;
-/// The largest material is the paint where the second largest has less than this share of it.
+/// Share of the largest material: where the second largest has less, the largest is the paint.
 const CLEARLY_LESS: f64 = 0.6;
 
 /// Several materials may be the paint.
@@ -49,8 +49,8 @@ pub struct PaintDoubt {
     known: String,
 }
 
-/// The materials that are the paint, by name, with what they were chosen by, as a clause; no name stands for all of the mesh. `seen` is each material's share
-/// of what is seen of the model from all around.
+/// Returns the materials that are the paint, by name, with the reason as a clause; no name stands for all of the mesh. `seen` is each material's
+/// share of what is seen of the model from all around.
 ///
 /// # Errors
 /// Materials of which two have almost equal claims.
@@ -87,7 +87,7 @@ pub fn propose_paint(names: &[String], seen: &[f64]) -> Result<(Vec<String>, &'s
             Ok((owned(&[first]), "as most of what is seen has it"))
         }
         _ => {
-            // What is hardly seen is no answer.
+            // Materials that are hardly seen are not listed.
             let known = materials.iter().filter(|(_, share)| *share >= 0.01);
             let known: Vec<_> = known
                 .map(|(name, share)| format!("'{name}' ({:.0} % of what is seen)", 100.0 * share))

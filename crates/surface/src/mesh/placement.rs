@@ -1,4 +1,4 @@
-//! From a file's frame and unit into the model frame.
+//! Placement of a mesh: from a file's frame and unit into the model frame.
 
 use std::path::Path;
 
@@ -8,14 +8,14 @@ use super::{Mesh, MeshError};
 use scaleproof_core::geometry::SignedAxis;
 use scaleproof_core::geometry::length::is_size;
 
-/// Nothing is so short in any unit; scaling it up would leave the range of numbers.
+/// Least length of a mesh in its file: nothing is so short in any unit, and scaling it up would leave the range of numbers.
 const LEAST_LENGTH: f64 = 1e-9;
 
 pub fn is_gltf(file: &Path) -> bool {
     file.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"))
 }
 
-/// Where a mesh lies in its file: from the file to the model frame by a turn, then a shift and a scale.
+/// Transform from the mesh's file to the model frame: a turn, then a shift and a scale.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FileFrame {
     turn: Matrix3<f64>,
@@ -39,7 +39,7 @@ impl FileFrame {
     }
 }
 
-/// How a mesh comes into the model frame. What is left out is what the format says: a glTF is in metres with its front to
+/// Placement of a mesh in the model frame. Options that are left out are as the format says: a glTF is in metres with its front to
 /// +z and its top to +y (glTF 2.0, section 3.4); the other formats are in mm with their front to +x and their top to +z.
 ///
 /// A file that is neither glTF nor turned nor scaled is taken as lying in the model frame already. Any other mesh is moved: the
@@ -48,18 +48,18 @@ impl FileFrame {
 pub struct MeshPlacement {
     pub front: Option<SignedAxis>,
     pub up: Option<SignedAxis>,
-    /// The mesh is scaled so that it is this long from its front to its rear.
+    /// Length of the scaled mesh from its front to its rear.
     pub length_mm: Option<f64>,
 }
 
 impl MeshPlacement {
-    /// Where the front and the top of a mesh are by its file's format.
+    /// Returns the front and the top of a mesh by its file's format.
     pub fn usual(file: &Path) -> [SignedAxis; 2] {
         let [front, up] = if is_gltf(file) { [2, 1] } else { [0, 2] };
         [front, up].map(|index| SignedAxis::new(index, false))
     }
 
-    /// The rotation from the frame of this file into the model frame.
+    /// Returns the rotation from the frame of this file into the model frame.
     pub fn rotation(&self, file: &Path) -> Result<Matrix3<f64>, MeshError> {
         self.turn(Self::usual(file))
     }
@@ -87,7 +87,7 @@ impl MeshPlacement {
         Ok(mesh)
     }
 
-    /// The rotation from the file's frame into the model frame.
+    /// Returns the rotation from the file's frame into the model frame.
     fn turn(&self, [front, up]: [SignedAxis; 2]) -> Result<Matrix3<f64>, MeshError> {
         let [front, up] = [self.front.unwrap_or(front), self.up.unwrap_or(up)].map(SignedAxis::vector);
         if front.dot(&up) != 0.0 {

@@ -9,8 +9,8 @@ use ply_rs_bw::ply::{DefaultElement, Property};
 use super::image::{ImageSource, Look};
 use super::{MAX_TRIANGLES, Soup, Trouble, corner};
 
-/// Vertices, faces and whatever else the header announces: a closed surface has half as many vertices as triangles, separate
-/// triangles three each.
+/// Largest number of vertices, faces and other elements of the header: a closed surface has half as many vertices as triangles, separate triangles
+/// three each.
 const MAX_ELEMENTS: usize = 4 * MAX_TRIANGLES;
 const MATERIAL: &str = "ply";
 
@@ -62,14 +62,14 @@ pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
     Ok(())
 }
 
-/// By any of the names that programs give them, v up.
+/// Returns the coordinates of a vertex by any of the names that programs give them, v up.
 fn coordinates_of_vertex(vertex: &DefaultElement) -> Option<[f64; 2]> {
     let names = [["s", "t"], ["u", "v"], ["texture_u", "texture_v"]];
     let value = |name: &str| float(vertex.get(name)?);
     names.into_iter().find_map(|[u, v]| Some([value(u)?, value(v)?]))
 }
 
-/// A number of any type.
+/// Returns a number of any type.
 fn float(property: &Property) -> Option<f64> {
     Some(match property {
         Property::Float(value) => f64::from(*value),
@@ -112,7 +112,7 @@ fn point(vertex: &DefaultElement) -> Result<Point3<f64>, Trouble> {
     Ok(Point3::new(coordinate("x")?, coordinate("y")?, coordinate("z")?))
 }
 
-/// `None` for anything but a list of whole numbers from 0 on.
+/// Returns a list of whole numbers from 0 on; `None` for anything else.
 fn whole_numbers(list: &Property) -> Option<Vec<usize>> {
     fn all<T: Copy + TryInto<usize>>(numbers: &[T]) -> Option<Vec<usize>> {
         numbers.iter().map(|n| (*n).try_into().ok()).collect()

@@ -9,12 +9,12 @@ use scaleproof_core::geometry::doubled_area;
 
 type Point = [f64; 2];
 
-/// Cutting ears takes the square of this.
+/// Largest number of corners: cutting ears takes the square of it.
 const MAX_CORNERS: usize = 10_000;
-/// What counts as nothing, as a share of the face: the rounding of this program, then that of a file of 32-bit numbers.
+/// Areas that count as nothing, as shares of the face: the rounding of this program, then that of a file of 32-bit numbers.
 const NOTHING: [f64; 2] = [1e-12, 1e-7];
 
-/// The triangles of a face as indices of its corners, two fewer than it has corners and turning the way it turns.
+/// Returns the triangles of a face as indices of its corners, two fewer than it has corners and turning the way it turns.
 ///
 /// # Errors
 /// An outline that crosses itself; as a clause.
@@ -41,7 +41,7 @@ pub(super) fn triangles(corners: &[Point3<f64>]) -> Result<Vec<[usize; 3]>, Stri
     views.iter().find_map(cut).ok_or_else(|| "crosses itself".to_owned())
 }
 
-/// Twice the face's area as a vector (Newell); `None` for corners on one line.
+/// Returns twice the face's area as a vector (Newell); `None` for corners on one line.
 fn normal(corners: &[Point3<f64>]) -> Option<Vector3<f64>> {
     let first = corners[0];
     let crosses = corners
@@ -57,8 +57,8 @@ fn normal(corners: &[Point3<f64>]) -> Option<Vector3<f64>> {
     (normal.norm() > 0.0).then_some(normal)
 }
 
-/// The corners seen along the axis that the normal is nearest to, counter-clockwise: numbers stay as they are, so that what touches in the file
-/// touches here.
+/// Returns the corners seen along the axis that the normal is nearest to, counter-clockwise: numbers stay as they are, so that corners which touch in
+/// the file touch here.
 fn along_axis(corners: &[Point3<f64>], normal: &Vector3<f64>) -> Vec<Point> {
     let axis = normal.iamax();
     let [mut across, mut up] = [(axis + 1) % 3, (axis + 2) % 3];
@@ -68,7 +68,7 @@ fn along_axis(corners: &[Point3<f64>], normal: &Vector3<f64>) -> Vec<Point> {
     corners.iter().map(|p| [p[across], p[up]]).collect()
 }
 
-/// The corners seen along the normal, counter-clockwise: a face that is not plane may cross itself when it is seen from elsewhere.
+/// Returns the corners seen along the normal, counter-clockwise: a face that is not plane may cross itself when it is seen from elsewhere.
 fn along(corners: &[Point3<f64>], normal: &Vector3<f64>) -> Vec<Point> {
     let across = normal.cross(&Vector3::ith(normal.iamin(), 1.0)).normalize();
     let up = normal.normalize().cross(&across);
@@ -76,7 +76,7 @@ fn along(corners: &[Point3<f64>], normal: &Vector3<f64>) -> Vec<Point> {
     corners.iter().map(place).collect()
 }
 
-/// The area that rounding is measured by: the extent times the largest coordinate.
+/// Returns the area that rounding is measured by: the extent times the largest coordinate.
 fn scale(flat: &[Point]) -> f64 {
     let values = || flat.iter().flatten();
     let most = values().fold(0.0, |most: f64, c| most.max(c.abs()));
@@ -86,7 +86,7 @@ fn scale(flat: &[Point]) -> f64 {
     extent.fold(0.0, f64::max) * most
 }
 
-/// Whether all of the face is seen from its first corner, so that a fan from there covers it once.
+/// Returns true if all of the face is seen from its first corner, so that a fan from there covers it once.
 fn is_star(flat: &[Point], nothing: f64) -> bool {
     let first = flat[0];
     let mut turned = 0.0;
@@ -98,10 +98,10 @@ fn is_star(flat: &[Point], nothing: f64) -> bool {
     })
 }
 
-/// What is left of a face while its ears are cut.
+/// Rest of a face while its ears are cut.
 struct Outline<'a> {
     flat: &'a [Point],
-    /// An area that counts as none.
+    /// Area that counts as none.
     nothing: f64,
     next: Vec<usize>,
     previous: Vec<usize>,
@@ -122,8 +122,8 @@ impl<'a> Outline<'a> {
         }
     }
 
-    /// `None` where no ear is left, which is so where the outline crosses itself: of the two triangles beside a crossing, the one that would be
-    /// cut first has the other's border inside.
+    /// Cuts all ears. `None` where no ear is left, which is so where the outline crosses itself: of the two triangles beside a crossing, the one that
+    /// would be cut first has the other's border inside.
     fn cut(mut self) -> Option<Vec<[usize; 3]>> {
         // A corner that is no ear becomes one only when one of its neighbours is cut.
         let mut open: VecDeque<usize> = (0..self.flat.len()).collect();
@@ -157,12 +157,12 @@ impl<'a> Outline<'a> {
         doubled_area(at(self.previous[corner]), at(corner), at(self.next[corner]))
     }
 
-    /// The corners that are left, from one of them on.
+    /// Returns the corners that are left, from one of them on.
     fn around(&self, first: usize) -> impl Iterator<Item = usize> {
         std::iter::successors(Some(first), |corner| Some(self.next[*corner])).take(self.left)
     }
 
-    /// Whether the corner and its neighbours are a triangle of the face: it turns the face's way, and no edge of the outline passes inside.
+    /// Returns true if the corner and its neighbours are a triangle of the face: it turns the face's way, and no edge of the outline passes inside.
     fn is_ear(&self, corner: usize) -> bool {
         let (before, after) = (self.previous[corner], self.next[corner]);
         let triangle = [before, corner, after].map(|i| self.flat[i]);
@@ -171,7 +171,7 @@ impl<'a> Outline<'a> {
             && !others().any(|i| self.passes_inside(&triangle, [self.flat[i], self.flat[self.next[i]]]))
     }
 
-    /// Whether some of an edge is strictly inside a triangle, which turns counter-clockwise.
+    /// Returns true if some of an edge is strictly inside a triangle, which turns counter-clockwise.
     fn passes_inside(&self, triangle: &[Point; 3], [from, to]: [Point; 2]) -> bool {
         let is_beside = |axis: usize| {
             let [a, b, c] = triangle.map(|p| p[axis]);

@@ -12,17 +12,17 @@ use super::{Mesh, Triangle};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Simplified {
     pub mesh: Mesh,
-    /// How far the surface moved, mm: the square root of the largest quadric error of a collapse. An estimate, not a bound.
+    /// Distance by which the surface moved, mm: the square root of the largest quadric error of a collapse. An estimate, not a bound.
     pub moved_mm: f64,
 }
 
-/// What tells corners of triangles apart: the place, the material and, where they count, the texture coordinates.
+/// Key that tells corners of triangles apart: the place, the material and, where they count, the texture coordinates.
 type Key = (usize, usize, Option<[u64; 2]>);
 
 impl Mesh {
-    /// About `most` triangles of the same surface, moved by `within_mm` or less, so there may be more of them. The corners that are left stay where they
-    /// are, and borders between materials stay borders. With `keep_coordinates`, so do the seams of the texture; without it, what comes back has no
-    /// texture coordinates.
+    /// Returns about `most` triangles of the same surface, moved by `within_mm` or less, so there may be more of them. The corners that are left stay
+    /// where they are, and borders between materials stay borders. With `keep_coordinates`, so do the seams of the texture; without it, the result
+    /// has no texture coordinates.
     #[must_use]
     pub fn simplified(&self, most: usize, within_mm: f64, keep_coordinates: bool) -> Simplified {
         let mut vertices = Vertices::default();
@@ -64,7 +64,7 @@ impl Mesh {
         std::array::from_fn(|i| (corners[i], material, coordinates.map(|uv| uv[i].map(f64::to_bits))))
     }
 
-    /// The mesh of these corners, three for each triangle, and of the points that they have.
+    /// Returns the mesh of these corners, three for each triangle, and of the points that they have.
     fn of_corners(&self, corners: &[u32], keys: &[Key]) -> Self {
         let mut moved = HashMap::new();
         let mut mesh = Self {

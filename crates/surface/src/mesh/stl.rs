@@ -7,7 +7,7 @@ use super::{Soup, Trouble};
 
 const SOLID: &str = "solid";
 const MATERIAL: &str = SOLID;
-/// A binary file: a header, the count, and so many bytes a triangle: the normal, three corners of three 32-bit floats, two bytes more.
+/// Layout of a binary file: a header, the count, and so many bytes a triangle: the normal, three corners of three 32-bit floats, two bytes more.
 const HEADER: usize = 80;
 const TRIANGLE: usize = 50;
 const NORMAL: usize = 12;
@@ -27,13 +27,13 @@ pub(super) fn read(bytes: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
     }
 }
 
-/// The triangles of a binary file, and what follows them; `None` where it is too short.
+/// Returns the triangles of a binary file, and what follows them; `None` where it is too short.
 fn binary(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     let (count, rest) = bytes.get(HEADER..)?.split_first_chunk::<4>()?;
     rest.split_at_checked((u32::from_le_bytes(*count) as usize).checked_mul(TRIANGLE)?)
 }
 
-/// Whether the first word is `solid`, in any case, after blanks or a byte order mark, and nothing is no text.
+/// Returns true if the first word is `solid`, in any case, after blanks or a byte order mark, and no byte is 0.
 fn is_text(bytes: &[u8]) -> bool {
     let start = bytes.strip_prefix(BYTE_ORDER_MARK.as_bytes()).unwrap_or(bytes);
     let word = start.trim_ascii_start().get(..SOLID.len());
@@ -51,7 +51,7 @@ fn read_binary(triangles: &[u8], soup: &mut Soup) -> Result<(), Trouble> {
     Ok(())
 }
 
-/// Words with white space between them; names fill the rest of their line.
+/// Reads words with white space between them; names fill the rest of their line.
 fn read_text(text: &str, soup: &mut Soup) -> Result<(), Trouble> {
     let material = soup.material(MATERIAL, None);
     let (mut corners, mut is_open) = (Vec::new(), false);

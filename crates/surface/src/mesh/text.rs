@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 pub(super) const BYTE_ORDER_MARK: &str = "\u{feff}";
 
-/// The lines of a text, which old programs for the Macintosh end with a carriage return alone.
+/// Returns the lines of a text, which old programs for the Macintosh end with a carriage return alone.
 pub(super) fn lines(text: &str) -> impl Iterator<Item = &str> {
     let end = if text.contains('\n') { '\n' } else { '\r' };
     text.trim_start_matches(BYTE_ORDER_MARK)
@@ -12,7 +12,7 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = &str> {
         .map(|line| line.trim_end_matches('\r'))
 }
 
-/// The text with lines that end with a backslash joined to the next; every other line keeps its number.
+/// Returns the text with lines that end with a backslash joined to the next; every other line keeps its number.
 pub(super) fn joined(text: &str) -> Cow<'_, str> {
     if !["\\\n", "\\\r"].iter().any(|end| text.contains(end)) {
         return text.into();

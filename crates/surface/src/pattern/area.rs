@@ -3,8 +3,8 @@
 use image::{Rgb, RgbImage};
 use palette::{LinSrgb, Srgb};
 
-/// Columns × rows areas of an image, each as its mean in linear light. `middle` is the share of an area's width and height that counts: 1 is all,
-/// and what lies on the border of two areas counts for both by the parts that they have of it.
+/// Returns columns × rows areas of an image, each as its mean in linear light. `middle` is the share of an area's width and height that counts: 1 is
+/// all, and a pixel on the border of two areas counts for both by its parts in them.
 pub fn averaged(image: &RgbImage, [columns, rows]: [u32; 2], middle: f64) -> RgbImage {
     let light: Vec<f64> = (0..=255_u8)
         .map(|level| Srgb::new(level, 0, 0).into_format::<f64>().into_linear::<f64>().red)
@@ -27,7 +27,7 @@ pub fn averaged(image: &RgbImage, [columns, rows]: [u32; 2], middle: f64) -> Rgb
     })
 }
 
-/// For each of equal parts of a side, its pixels and how much of each is in it.
+/// Returns for each of equal parts of a side its pixels and the part of each that is in it.
 fn spans(pixels: u32, parts: u32, middle: f64) -> Vec<Vec<(u32, f64)>> {
     let size = f64::from(pixels) / f64::from(parts);
     let span = |part: u32| {

@@ -9,21 +9,21 @@ use super::Pattern;
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::length::{is_size, shown};
 
-/// What every card says; makers add what they know.
+/// Content of every card; makers add what they know.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Card {
     pub pattern_sha256: String,
     /// Width of one repeat on the model.
     pub tile_mm: f64,
-    /// The patterns of the model's sides lie below each other: a texture of that model, and no pattern that is repeated.
+    /// True if the patterns of the model's sides lie below each other: a texture of that model, and no pattern that is repeated.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub sides: bool,
-    /// What else its maker knows.
+    /// Further entries by its maker.
     #[serde(flatten)]
     pub about: serde_json::Map<String, serde_json::Value>,
 }
 
-/// Why a pattern has no tile size.
+/// Reason why a pattern has no tile size.
 #[derive(Debug, thiserror::Error)]
 pub enum CardError {
     #[error(transparent)]
@@ -43,7 +43,7 @@ impl Card {
         pattern.with_extension("json")
     }
 
-    /// The card as a file.
+    /// Returns path and content of the card's file.
     ///
     /// # Errors
     /// Only if the encoder fails.
@@ -54,7 +54,7 @@ impl Card {
     }
 }
 
-/// The width of a repeat: as given, else as the pattern's card says.
+/// Returns the width of a repeat: as given, else as the pattern's card says.
 pub fn tile_mm(given: Option<f64>, path: &Path, pattern: &Pattern) -> Result<f64, CardError> {
     match (card(path, pattern), given) {
         (Ok(Card { sides: true, .. }), _) => Err(CardError::OfSides {
@@ -65,14 +65,14 @@ pub fn tile_mm(given: Option<f64>, path: &Path, pattern: &Pattern) -> Result<f64
     }
 }
 
-/// True when the card beside a PNG says that it is of sides, be it this PNG's or another one's.
+/// Returns true if the card beside a PNG says that it is of sides, be it this PNG's or another one's.
 pub fn says_sides(path: &Path) -> bool {
     let text = files::read_text(&Card::path(path)).ok();
     let card = text.and_then(|text| serde_json::from_str::<Card>(&text).ok());
     card.is_some_and(|card| card.sides)
 }
 
-/// The card of a pattern.
+/// Reads the card of a pattern.
 pub fn card(path: &Path, pattern: &Pattern) -> Result<Card, CardError> {
     let card = Card::path(path);
     if !card.is_file() {

@@ -15,29 +15,29 @@ pub struct Lab {
 }
 
 impl Lab {
-    /// From 8-bit sRGB.
+    /// Converts from 8-bit sRGB.
     pub fn from_rgb(rgb: [u8; 3]) -> Self {
         let srgb: Srgb<f64> = Srgb::from(rgb).into_format();
         Self::from_palette(palette::Lab::from_color(srgb))
     }
 
-    /// From light in the primaries of sRGB, 1 is white. Values outside 0 to 1 are allowed.
+    /// Converts from light in the primaries of sRGB, 1 is white. Values outside 0 to 1 are allowed.
     pub fn from_linear(rgb: [f64; 3]) -> Self {
         Self::from_palette(palette::Lab::from_color(LinSrgb::from(rgb)))
     }
 
-    /// The nearest 8-bit sRGB: channels beyond the screen's range are clipped.
+    /// Returns the nearest 8-bit sRGB: channels beyond the screen's range are clipped.
     pub fn rgb(self) -> [u8; 3] {
         Srgb::from(self.srgb()).into_format().into()
     }
 
-    /// sRGB of 0 to 1; channels beyond are clipped.
+    /// Returns sRGB of 0 to 1; channels beyond are clipped.
     pub fn srgb(self) -> [f64; 3] {
         let srgb: Srgb<f64> = self.palette().into_color();
         <[f64; 3]>::from(srgb).map(|v| v.clamp(0.0, 1.0))
     }
 
-    /// CIEDE2000 with all weights 1. Below 1 most people see no difference, 2.3 is just noticeable in CIE 1976's measure.
+    /// Returns CIEDE2000 with all weights 1. Below 1 most people see no difference, 2.3 is just noticeable in CIE 1976's measure.
     pub fn delta_e(self, other: Self) -> f64 {
         self.palette().difference(other.palette())
     }

@@ -1,4 +1,4 @@
-//! How much the cells of a pattern stand out from each other.
+//! Contrast between the cells of a pattern.
 
 use image::RgbImage;
 
@@ -6,7 +6,7 @@ use super::Pattern;
 use super::colour::Lab;
 use scaleproof_core::statistics::upper_median;
 
-/// Median ΔE2000 between neighbouring cells (right and below, across the pattern's repeat too).
+/// Returns the median ΔE2000 between neighbouring cells (right and below, across the pattern's repeat too).
 pub fn median_delta_e(pattern: &Pattern) -> f64 {
     let cells: &RgbImage = pattern.cells();
     let (columns, rows) = cells.dimensions();
@@ -15,6 +15,6 @@ pub fn median_delta_e(pattern: &Pattern) -> f64 {
     let differences: Vec<f64> = pairs
         .map(|(x, y, to_x, to_y)| lab(x, y).delta_e(lab(to_x, to_y)))
         .collect();
-    // A pattern has a cell at least.
+    // A pattern has at least one cell.
     upper_median(&differences).unwrap_or_default()
 }

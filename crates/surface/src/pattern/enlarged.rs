@@ -1,7 +1,7 @@
 //! Enlarged grids: images in which every cell of a pattern is a block of equal pixels, as far as a JPEG keeps them equal.
 //!
-//! In such an image, and in no photo, what changes from pixel to pixel changes at the borders of the blocks. So the changes along each side
-//! are added up, and a number of cells is looked for whose borders hold almost all of them.
+//! In such an image, and in no photo, changes from pixel to pixel are at the borders of the blocks. So the changes along each side
+//! are summed, and a number of cells is sought whose borders hold almost all of them.
 
 use image::RgbImage;
 
@@ -9,20 +9,21 @@ use super::MAX_CELLS;
 use super::area::averaged;
 use scaleproof_core::statistics::upper_median;
 
-/// Blocks of a JPEG that are smaller have no middle.
+/// Least block of a JPEG, px: smaller ones have no middle.
 const LEAST_NOISY_BLOCK: u32 = 4;
-/// The part of the changes at borders, beyond chance, that makes a grid. Photos reach 0.1, grids in JPEGs of quality 40 stay above 0.85.
+/// Least share of the changes at borders, beyond chance, in a grid. Photos reach 0.1, grids in JPEGs of quality 40 stay above 0.85.
 const LEAST_SHARE: f64 = 0.75;
-/// The part of the borders at which something changes. A grid with a border around it, or a gap, is hit by a finer grid most of whose borders hold nothing.
+/// Least share of the borders at which something changes. A grid with a border around it, or a gap, is hit by a finer grid most of whose borders hold
+/// nothing.
 const LEAST_BUSY: f64 = 0.5;
-/// A border with so small a part of the mean change is a part of a cell.
+/// Share of the mean change at borders below which a border is inside of a cell.
 const QUIET: f64 = 0.05;
-/// Cells are square in a pattern; blocks may be off by rounding.
+/// Largest ratio of a block's sides: cells are square in a pattern; blocks may be off by rounding.
 const MOST_OBLONG: f64 = 1.05;
-/// Blocks of a JPEG bleed into their neighbours.
+/// Share of a block's sides that is averaged: blocks of a JPEG bleed into their neighbours.
 const MIDDLE: f64 = 0.5;
 
-/// Columns and rows of cells, if an image is an enlarged grid.
+/// Returns columns and rows of cells, if an image is an enlarged grid.
 pub fn grid_of(image: &RgbImage) -> Option<[u32; 2]> {
     let [across, down] = [0, 1].map(|axis| Changes::along(image, axis));
     exact(&across, &down).or_else(|| noisy(&across, &down))
@@ -32,7 +33,7 @@ pub fn cells_of(image: &RgbImage, grid: [u32; 2]) -> RgbImage {
     averaged(image, grid, MIDDLE)
 }
 
-/// How much the image changes from each pixel of a side to the next: the mean square over the other side.
+/// Change of the image from each pixel of a side to the next: the mean square over the other side.
 struct Changes(Vec<f64>);
 
 impl Changes {
@@ -55,13 +56,13 @@ impl Changes {
         self.0.len() as u32
     }
 
-    /// The largest block of which every change is at a border.
+    /// Returns the largest block of which every change is at a border.
     fn common_block(&self) -> u32 {
         let changed = (0..self.pixels()).zip(&self.0).filter(|(_, change)| **change > 0.0);
         changed.fold(self.pixels(), |block, (at, _)| gcd(block, at))
     }
 
-    /// How much more of the changes is at the borders of so many cells than by chance: 1 is all, 0 is chance.
+    /// Returns the shares of busy borders, changes and pixels of a grid of `cells` cells along the side; changes count above the median.
     fn at_borders(&self, cells: u32) -> BorderShare {
         let noise = upper_median(&self.0[1..]).unwrap_or_default();
         let above = |at: usize| (self.0[at] - noise).max(0.0);
@@ -81,7 +82,7 @@ impl Changes {
         }
     }
 
-    /// Pixels that begin a block, and those before where the border is inside of a pixel.
+    /// Returns the pixels that begin a block, and those before where the border is inside of a pixel.
     fn borders(&self, cells: u32) -> Vec<usize> {
         let at = (1..cells).map(|border| self.border(border, cells));
         let mut all: Vec<usize> = at
@@ -95,7 +96,7 @@ impl Changes {
         f64::from(border) * f64::from(self.pixels()) / f64::from(cells)
     }
 
-    /// The number of cells whose borders hold the most of the changes for their number.
+    /// Returns the number of cells whose borders hold the most of the changes for their number.
     fn likeliest(&self) -> Option<u32> {
         let most = MAX_CELLS.min(self.pixels() / LEAST_NOISY_BLOCK);
         let all = (2..=most).map(|cells| (cells, self.at_borders(cells)));
@@ -104,9 +105,9 @@ impl Changes {
     }
 }
 
-/// What is at the borders of some cells.
+/// Shares of a side that are at the borders of some cells.
 struct BorderShare {
-    /// Of the borders, those at which something changes.
+    /// Share of the borders at which something changes.
     of_busy: f64,
     of_changes: f64,
     of_pixels: f64,
@@ -126,7 +127,7 @@ fn gcd(a: u32, b: u32) -> u32 {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
-/// Square blocks of pixels that are equal to the bit.
+/// Returns the grid of square blocks of pixels that are equal to the bit.
 fn exact(across: &Changes, down: &Changes) -> Option<[u32; 2]> {
     let block = gcd(across.common_block(), down.common_block());
     let cells = [across.pixels() / block, down.pixels() / block];
@@ -135,7 +136,7 @@ fn exact(across: &Changes, down: &Changes) -> Option<[u32; 2]> {
     is_grid.then_some(cells)
 }
 
-/// Blocks that are equal but for noise. Where neighbouring rows are equal everywhere, the other side knows the blocks' size.
+/// Returns the grid of blocks that are equal but for noise. Where neighbouring rows are equal everywhere, the other side gives the blocks' size.
 fn noisy(across: &Changes, down: &Changes) -> Option<[u32; 2]> {
     let block = |changes: &Changes| Some(f64::from(changes.pixels()) / f64::from(changes.likeliest()?));
     let size = [block(across)?, block(down)?].into_iter().fold(f64::INFINITY, f64::min);

@@ -1,4 +1,4 @@
-//! How a pattern fares on a printer: which of its colours come out, and what to ask for instead.
+//! Colours of a pattern on a printer: those that come out, and the best input colours for the others.
 
 use super::Pattern;
 use super::colour::Lab;
@@ -10,16 +10,16 @@ use super::printed::PrintedColours;
 pub struct ColourFate {
     /// A colour of the pattern, 8-bit sRGB like the others here.
     pub wanted_rgb: [u8; 3],
-    /// How many cells have it.
+    /// Number of cells that have it.
     pub cells: usize,
-    /// What comes out when it is printed as it is, and how far that is off (ΔE2000).
+    /// Colour that comes out when it is printed as it is; in `printed_delta_e`, its ΔE2000 from the wanted one.
     pub printed_rgb: [u8; 3],
     pub printed_delta_e: f64,
-    /// What to ask for instead, what then comes out, and how far that is off (ΔE2000).
+    /// Best input colour; in `best_rgb` the colour that then comes out, and in `best_delta_e` its ΔE2000 from the wanted one.
     pub best_ask_rgb: [u8; 3],
     pub best_rgb: [u8; 3],
     pub best_delta_e: f64,
-    /// Whether `best_delta_e` is at most 2.
+    /// True if `best_delta_e` is at most 2.
     pub is_printable: bool,
 }
 
@@ -71,7 +71,7 @@ fn colour_fate(wanted_rgb: [u8; 3], cells: usize, gamut: &Gamut) -> ColourFate {
     }
 }
 
-/// Distance in sRGB, channels from 0 to 1, to the nearest measured colour.
+/// Returns the distance in sRGB, channels from 0 to 1, to the nearest measured colour.
 fn nearest(rgb: [u8; 3], printer: &PrintedColours) -> f64 {
     let distance = |other: [u8; 3]| {
         let squares = (0..3).map(|c| (f64::from(rgb[c]) - f64::from(other[c])).powi(2));

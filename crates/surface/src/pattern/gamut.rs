@@ -1,4 +1,4 @@
-//! The colours a printer can make, and how a pattern fares with them.
+//! Colours that a printer can make.
 //!
 //! The chart's colours are the nodes of a grid over the cube of 8-bit sRGB. Between them, what comes out is interpolated in CIELAB
 //! over six tetrahedra a grid cell (Kasson, Nin, Plouffe & Hafner 1995). The gamut is the image of the whole cube under that
@@ -6,10 +6,10 @@
 
 use super::colour::Lab;
 
-/// A colour is printable when some colour that can be printed is this close (ΔE2000): what reading a chart is good for.
+/// Largest ΔE2000 between a printable colour and some colour that can be printed: as accurate as reading a chart is.
 pub const PRINTABLE_DELTA_E: f64 = 2.0;
 
-/// So many grid nodes start the search for the best colour.
+/// Number of grid nodes that start the search for the best colour.
 const STARTS: usize = 4;
 
 /// The corners of a grid cell that each tetrahedron visits from (0, 0, 0) to (1, 1, 1): the order in which the channels step.
@@ -18,7 +18,7 @@ const STEPS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gamut {
     levels: Vec<u8>,
-    /// Red slowest, blue fastest.
+    /// Colours of the grid's nodes: red slowest, blue fastest.
     nodes: Vec<Lab>,
 }
 
@@ -26,24 +26,24 @@ pub struct Gamut {
 pub struct Best {
     /// 8-bit sRGB to ask the printer for.
     pub ask_rgb: [u8; 3],
-    /// What then comes out.
+    /// Colour that then comes out.
     pub lab: Lab,
     /// ΔE2000 from the requested colour.
     pub delta_e: f64,
 }
 
-/// The places of a cube of so many along each side; the first coordinate runs slowest, the last fastest.
+/// Returns the places of a cube of `n` along each side; the first coordinate runs slowest, the last fastest.
 fn cube(n: usize) -> impl Iterator<Item = [usize; 3]> {
     (0..n.pow(3)).map(move |i| [i / (n * n), i / n % n, i % n])
 }
 
-/// Every colour whose channels have some of these levels: red runs slowest, blue fastest.
+/// Returns every colour whose channels have some of these levels: red runs slowest, blue fastest.
 pub(super) fn combinations(levels: &[u8]) -> impl Iterator<Item = [u8; 3]> {
     cube(levels.len()).map(|at| at.map(|level| levels[level]))
 }
 
 impl Gamut {
-    /// From the colour that each combination of the levels gives. The levels ascend from 0 to 255.
+    /// Makes a gamut of the colour that each combination of the levels gives. The levels ascend from 0 to 255.
     pub fn new(levels: &[u8], printed: impl Fn([u8; 3]) -> Lab) -> Self {
         Self {
             levels: levels.to_vec(),
@@ -51,17 +51,17 @@ impl Gamut {
         }
     }
 
-    /// A printer that makes every colour of sRGB exactly, interpolated over the same levels.
+    /// Makes the gamut of a printer that makes every colour of sRGB exactly, interpolated over the same levels.
     pub fn srgb(levels: &[u8]) -> Self {
         Self::new(levels, Lab::from_rgb)
     }
 
-    /// What comes out when a colour is requested.
+    /// Returns the colour that comes out when a colour is requested.
     pub fn printed(&self, asked: [u8; 3]) -> Lab {
         self.printed_between(asked.map(f64::from))
     }
 
-    /// What comes out when a colour between those of 8 bits is requested, interpolated; each channel 0 to 255.
+    /// Returns the colour that comes out when a colour between those of 8 bits is requested, interpolated; each channel 0 to 255.
     pub fn printed_between(&self, asked: [f64; 3]) -> Lab {
         let mut corner = [0; 3];
         let mut share = [0.0; 3];
@@ -96,7 +96,7 @@ impl Gamut {
         signed.sum::<f64>().abs()
     }
 
-    /// The input colour whose print comes nearest to a requested one: from the nearest grid nodes downhill, in steps that halve.
+    /// Finds the input colour whose print comes nearest to a requested one: from the nearest grid nodes downhill, in steps that halve.
     pub fn best(&self, wanted: Lab) -> Best {
         let all = combinations(&self.levels);
         let mut starts: Vec<Best> = all.map(|ask_rgb| self.asking(ask_rgb, wanted)).collect();

@@ -4,7 +4,7 @@ use super::area::averaged;
 use super::picture::Picture;
 use super::{MAX_CELLS, Pattern, PatternError, enlarged};
 
-/// Why an image became no pattern.
+/// Reason why an image became no pattern.
 #[derive(Debug, thiserror::Error)]
 pub enum PatternImportError {
     #[error(
@@ -20,7 +20,7 @@ pub enum PatternImportError {
     Pattern(#[from] PatternError),
 }
 
-/// The image in cells, each the mean of its area in linear light.
+/// Returns the image in cells, each the mean of its area in linear light.
 pub fn in_cells(picture: &Picture, [columns, rows]: [u32; 2]) -> Result<Pattern, PatternImportError> {
     let (width, height) = picture.pixels.dimensions();
     let fits = |cells: u32, pixels: u32| (1..=MAX_CELLS.min(pixels)).contains(&cells);
@@ -35,7 +35,7 @@ pub fn in_cells(picture: &Picture, [columns, rows]: [u32; 2]) -> Result<Pattern,
     Ok(Pattern::from_cells(averaged(&picture.pixels, [columns, rows], 1.0))?)
 }
 
-/// The pattern that the image is an enlarged grid of, if it is one.
+/// Returns the pattern that the image is an enlarged grid of, if it is one.
 ///
 /// # Errors
 /// Only if the encoder fails.
@@ -45,7 +45,7 @@ pub fn enlarged_pattern(picture: &Picture) -> Result<Option<Pattern>, PatternErr
         .transpose()
 }
 
-/// So many rows make cells of an image about square.
+/// Returns the number of rows that makes cells of an image about square.
 pub fn rows_for(picture: &Picture, columns: u32) -> u32 {
     let rows = picture.height_for(f64::from(columns)).round();
     rows.clamp(1.0, f64::from(u32::MAX)) as u32

@@ -26,10 +26,10 @@ use rand_pcg::Pcg32;
 use scaleproof_core::files::{self, FileError};
 use scaleproof_photo::photo::{Budget, open_png};
 
-/// Most cells a pattern may have along one side. Above this an image is almost surely meant, not a grid of cells.
+/// Largest number of cells of a pattern along one side. Above this an image is almost surely meant, not a grid of cells.
 pub const MAX_CELLS: u32 = 512;
 
-/// Why there is no pattern. Each variant says what to change.
+/// Reason why there is no pattern. Each variant says what to change.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PatternError {
@@ -80,7 +80,7 @@ impl Pattern {
         })
     }
 
-    /// A square pattern whose cells are uniform in RGB. The same `cells` and `seed` give the same pattern on every machine
+    /// Makes a square pattern whose cells are uniform in RGB. The same `cells` and `seed` give the same pattern on every machine
     /// and in every version: the bytes of PCG-XSH-RR 64/32 (O'Neill 2014) are the colours, row by row.
     ///
     /// # Errors
@@ -89,7 +89,7 @@ impl Pattern {
         Self::random_grid([cells, cells], seed)
     }
 
-    /// A random pattern of so many columns and rows: the first rows of the square one that [`Pattern::random`] makes of as many columns.
+    /// Makes a random pattern of so many columns and rows: the first rows of the square one that [`Pattern::random`] makes of as many columns.
     ///
     /// # Errors
     /// Those of [`Pattern::random`].
@@ -102,6 +102,8 @@ impl Pattern {
         Self::from_cells(grid)
     }
 
+    /// Makes a pattern of an image with one pixel per cell.
+    ///
     /// # Errors
     /// Only if the encoder fails.
     pub fn from_cells(cells: RgbImage) -> Result<Self, PatternError> {
@@ -109,22 +111,22 @@ impl Pattern {
         Ok(Self { cells, sha256 })
     }
 
-    /// The cells; pixel (0, 0) is the top-left cell.
+    /// Returns the cells; pixel (0, 0) is the top-left cell.
     pub fn cells(&self) -> &RgbImage {
         &self.cells
     }
 
-    /// Cells across.
+    /// Returns the number of cells across.
     pub fn columns(&self) -> u32 {
         self.cells.width()
     }
 
-    /// Cells down.
+    /// Returns the number of cells down.
     pub fn rows(&self) -> u32 {
         self.cells.height()
     }
 
-    /// Every colour with the number of its cells.
+    /// Returns every colour with the number of its cells.
     pub fn colour_counts(&self) -> BTreeMap<[u8; 3], usize> {
         let mut counts = BTreeMap::new();
         for cell in self.cells.pixels() {
@@ -133,7 +135,7 @@ impl Pattern {
         counts
     }
 
-    /// The pattern with each cell's colour replaced by `colour` of it.
+    /// Returns the pattern with each cell's colour replaced by `colour` of it.
     ///
     /// # Errors
     /// Only if the encoder fails.
@@ -143,7 +145,7 @@ impl Pattern {
         Self::from_cells(cells)
     }
 
-    /// Some of its rows.
+    /// Returns `count` of its rows, from `first` on.
     ///
     /// # Errors
     /// Only if the encoder fails.
@@ -151,7 +153,7 @@ impl Pattern {
         Self::from_cells(image::imageops::crop_imm(&self.cells, 0, first, self.columns(), count).to_image())
     }
 
-    /// The picture in more cells, each divided evenly; `None` where they are not as many or the same whole multiple across and down.
+    /// Returns the picture in more cells, each divided evenly; `None` where they are not as many or the same whole multiple across and down.
     pub fn divided(&self, [columns, rows]: [u32; 2]) -> Option<RgbImage> {
         let fits = columns.is_multiple_of(self.columns()) && rows.is_multiple_of(self.rows());
         let (across, down) = (columns / self.columns(), rows / self.rows());
@@ -159,7 +161,7 @@ impl Pattern {
             .then(|| RgbImage::from_fn(columns, rows, |x, y| *self.cells.get_pixel(x / across, y / down)))
     }
 
-    /// The pattern as a PNG file with one pixel per cell.
+    /// Returns the pattern as a PNG file with one pixel per cell.
     ///
     /// # Errors
     /// Only if the encoder fails.
@@ -167,7 +169,7 @@ impl Pattern {
         png_of(&self.cells)
     }
 
-    /// SHA-256, in lower-case hex, of the file this pattern was loaded from, or of its PNG if it was made here.
+    /// Returns the SHA-256, in lower-case hex, of the file this pattern was loaded from, or of its PNG if it was made here.
     pub fn sha256(&self) -> &str {
         &self.sha256
     }

@@ -5,15 +5,15 @@ use std::io;
 use image::RgbImage;
 use npyz::{NpyFile, Order};
 
-/// NumPy writes 64 to 192 bytes for such an array. The reader of headers works by recursion.
+/// Size of the largest header: NumPy writes 64 to 192 bytes for such an array. The reader of headers works by recursion.
 const MOST_HEADER_BYTES: u64 = 1024;
-/// So far values may leave 0 to 1 by rounding.
+/// Amount by which values may leave 0 to 1, for rounding.
 const ROUNDING: f32 = 1e-3;
 
-/// How every such file begins.
+/// First bytes of every such file.
 pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// An image of red, green and blue planes, as PyTorch has it, or of such pixels.
+/// Reads an image of red, green and blue planes, as PyTorch has it, or of such pixels.
 ///
 /// # Errors
 /// Another shape or kind of numbers, as a clause.
@@ -42,7 +42,7 @@ pub(crate) fn image(bytes: &[u8], most_side: u32) -> Result<RgbImage, String> {
     Ok(RgbImage::from_fn(width as u32, height as u32, pixel))
 }
 
-/// All numbers of a file, which must be so many colours from 0 to 1 and nothing more.
+/// Reads all numbers of a file, which must be `count` from 0 to 1 and nothing more.
 pub(crate) fn colours(file: NpyFile<&[u8]>, count: usize, stored_bytes: usize) -> Result<Vec<f32>, String> {
     if file.order() == Order::Fortran {
         return Err("it is stored in Fortran order; save numpy.ascontiguousarray of it".into());
@@ -62,7 +62,7 @@ pub(crate) fn colours(file: NpyFile<&[u8]>, count: usize, stored_bytes: usize) -
     }
 }
 
-/// The file with its header read, and how many bytes follow the header.
+/// Returns the file with its header read, and the number of bytes behind the header.
 pub(crate) fn open(bytes: &[u8]) -> Result<(NpyFile<&[u8]>, usize), String> {
     let (magic, header) = match bytes {
         [0x93, b'N', b'U', b'M', b'P', b'Y', 1, _, a, b, ..] => (10, u64::from(u16::from_le_bytes([*a, *b]))),
@@ -84,7 +84,7 @@ pub(crate) fn open(bytes: &[u8]) -> Result<(NpyFile<&[u8]>, usize), String> {
     Ok((file, bytes.len().saturating_sub(magic + header as usize)))
 }
 
-/// All numbers, 0 to 1; fewer where the file ends early.
+/// Reads all numbers, 0 to 1; fewer where the file ends early.
 fn values(file: NpyFile<&[u8]>) -> Result<Vec<f32>, String> {
     let kind = file.dtype();
     let file = match file.try_data::<f32>() {

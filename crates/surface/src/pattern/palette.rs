@@ -11,19 +11,19 @@ use super::colour::Lab;
 use super::light;
 use scaleproof_core::files;
 
-/// Most paints a pattern is reduced to: each is a set of stencils.
+/// Largest number of paints that a pattern is reduced to: each is a set of stencils.
 pub const MAX_PAINTS: usize = 24;
-/// Most paints a palette file may offer.
+/// Largest number of paints in a palette file.
 pub const MAX_PALETTE: usize = 256;
 
-/// k-means is started between so many times, and the tightest result kept: often on few colours, where that takes no time.
+/// Least and largest number of starts of k-means, of which the tightest result is kept: many on few colours, where that takes no time.
 const RESTARTS: (usize, usize) = (4, 200);
-/// Distances of one step, over all starts, that take no time.
+/// Number of distances of one step, over all starts, that take no time.
 const CHEAP: usize = 2_000_000;
-/// Lloyd's steps of one start; on a few hundred colours it settles long before.
+/// Largest number of Lloyd's steps of one start; on a few hundred colours it settles long before.
 const MOST_STEPS: usize = 100;
 
-/// Why a pattern was not reduced to paints. Each variant says what to change.
+/// Reason why a pattern was not reduced to paints. Each variant says what to change.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PaletteError {
     #[error("{path} cannot be used ({reason}); a palette is a TOML file of [[paint]] tables with name = \"…\" and rgb = [r, g, b]", path = path.display())]
@@ -53,7 +53,7 @@ pub struct Paint {
 }
 
 impl Paint {
-    /// The colour as `#rrggbb`.
+    /// Returns the colour as `#rrggbb`.
     pub fn hex(&self) -> String {
         hex(self.rgb)
     }
@@ -127,7 +127,7 @@ impl Palette {
     }
 }
 
-/// A paint in use: the cells it takes, and how far it is from the colours it stands for.
+/// A paint in use: its cells, and its distance from the colours it stands for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UsedPaint {
     pub paint: Paint,
@@ -139,10 +139,10 @@ pub struct UsedPaint {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Painted {
-    /// Most cells first, unless they were put in another order.
+    /// Paints, most cells first, unless they were put in another order.
     pub paints: Vec<UsedPaint>,
     columns: u32,
-    /// Which of `paints` each cell takes, row by row from the top left.
+    /// Index into `paints` of each cell, row by row from the top left.
     cells: Vec<usize>,
 }
 
@@ -196,7 +196,7 @@ impl Painted {
         }
     }
 
-    /// `of`: the paint of each distinct colour.
+    /// Puts a painted pattern together; `of`: the paint of each distinct colour.
     fn assembled(pattern: &Pattern, colours: &Colours, paints: &[Paint], of: &[usize]) -> Self {
         let mut used: Vec<(usize, UsedPaint)> = Vec::new();
         for (index, paint) in paints.iter().enumerate() {
@@ -229,19 +229,19 @@ impl Painted {
         }
     }
 
-    /// The paint of each cell, 8-bit sRGB, row by row from the top left.
+    /// Returns the paint of each cell, 8-bit sRGB, row by row from the top left.
     pub fn rgb(&self) -> Vec<[u8; 3]> {
         self.cells.iter().map(|cell| self.paints[*cell].paint.rgb).collect()
     }
 
-    /// Which of [`Self::paints`] a cell of the repeated pattern takes; columns and rows go on for ever.
+    /// Returns the index into [`Self::paints`] of a cell of the repeated pattern; columns and rows go on for ever.
     pub fn paint_at(&self, column: usize, row: usize) -> usize {
         let columns = self.columns as usize;
         let rows = self.cells.len() / columns;
         self.cells[(row % rows) * columns + column % columns]
     }
 
-    /// The painted pattern with its paints in another order, given as their indices, each once.
+    /// Returns the painted pattern with its paints in another order, given as their indices, each once.
     pub fn in_order(&self, order: &[usize]) -> Self {
         let place = |paint: &usize| order.iter().position(|i| i == paint).unwrap_or_default();
         Self {
@@ -251,7 +251,7 @@ impl Painted {
         }
     }
 
-    /// CIEDE2000 of the cells against their paints: mean and largest.
+    /// Returns CIEDE2000 of the cells against their paints: mean and largest.
     pub fn delta_e(&self) -> (f64, f64) {
         let total: f64 = self.paints.iter().map(|p| f64::from(p.cells) * p.mean_delta_e).sum();
         let largest = self.paints.iter().map(|p| p.max_delta_e).fold(0.0, f64::max);
@@ -281,7 +281,7 @@ impl Colours {
     }
 }
 
-/// The means of the clusters, the cluster of each distinct colour, and the sum over the cells of their squared distance from the mean.
+/// Returns the means of the clusters, the cluster of each distinct colour, and the sum over the cells of their squared distance from the mean.
 fn k_means(colours: &Colours, count: usize, seed: u64) -> (Vec<Lab>, Vec<usize>, f64) {
     let mut means = spread_out(colours, count, seed);
     let mut of = Vec::new();
@@ -302,7 +302,7 @@ fn k_means(colours: &Colours, count: usize, seed: u64) -> (Vec<Lab>, Vec<usize>,
     (means, of, spread)
 }
 
-/// k-means++: every next start is drawn among the colours, by cells times squared distance from the starts so far.
+/// Draws starts by k-means++: every next one among the colours, by cells times squared distance from the starts so far.
 fn spread_out(colours: &Colours, count: usize, seed: u64) -> Vec<Lab> {
     let mut random = Pcg32::seed_from_u64(seed);
     let mut starts: Vec<Lab> = Vec::new();
@@ -343,7 +343,7 @@ fn squared(a: &Lab, b: &Lab) -> f64 {
     (a.l - b.l).powi(2) + (a.a - b.a).powi(2) + (a.b - b.b).powi(2)
 }
 
-/// The index of the candidate with the smallest distance, the first of equals.
+/// Returns the index of the candidate with the smallest distance, the first of equals.
 fn nearest(candidates: &[Lab], distance: impl Fn(&Lab) -> f64) -> usize {
     let distances = candidates.iter().map(distance).enumerate();
     let nearest = distances.min_by(|a, b| a.1.total_cmp(&b.1));

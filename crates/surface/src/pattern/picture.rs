@@ -11,10 +11,10 @@ use super::{light, numpy};
 use scaleproof_core::files;
 use scaleproof_photo::photo::{Budget, DecodeCost, Photo, PhotoError, open_png};
 
-/// Most pixels along a side: what graphics cards take.
+/// Largest number of pixels along a side: as many as graphics cards take.
 const MAX_PIXELS: u32 = 16_384;
 
-/// Of a file that NumPy saved.
+/// Size of the largest file that NumPy saved, bytes.
 const MOST_ARRAY_BYTES: u64 = 1 << 30;
 
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -28,14 +28,14 @@ pub struct PictureError {
 #[derive(Debug, Clone)]
 pub struct Picture {
     pub pixels: Arc<RgbImage>,
-    /// Of the file, hex.
+    /// SHA-256 of the file, hex.
     pub sha256: String,
-    /// What was done to it, as a clause.
+    /// Change that was made to it, as a clause.
     pub note: Option<String>,
 }
 
 impl Picture {
-    /// Reads what photos are read from, or an array that NumPy saved.
+    /// Reads any image that can be a photo, or an array that NumPy saved.
     pub fn load(path: &Path) -> Result<Self, PictureError> {
         let bad = |reason: String| PictureError {
             path: path.to_owned(),
@@ -49,8 +49,8 @@ impl Picture {
         Self::from_bytes(photo.bytes(), Some(1.0)).map_err(bad)
     }
 
-    /// Decodes a PNG, a JPEG, a WebP, or NumPy's array of colours. `alpha` is what its alpha is multiplied by: what is see-through then is laid on white, as paper is; `None` leaves the
-    /// colours as they are. The error is a clause.
+    /// Decodes a PNG, a JPEG, a WebP, or NumPy's array of colours. `alpha` is the factor of its alpha: pixels that are see-through then are laid on
+    /// white, as paper is; `None` leaves the colours as they are. The error is a clause.
     ///
     /// # Errors
     /// A damaged file, 16-bit and CMYK images, more than [`MAX_PIXELS`] along a side.
@@ -80,7 +80,7 @@ impl Picture {
         })
     }
 
-    /// Height for a width that keeps the image's proportions.
+    /// Returns the height for a width that keeps the image's proportions.
     pub fn height_for(&self, width: f64) -> f64 {
         width * f64::from(self.pixels.height()) / f64::from(self.pixels.width())
     }
@@ -96,7 +96,7 @@ fn png(bytes: &[u8]) -> Result<DynamicImage, String> {
     DynamicImage::from_decoder(decoder).map_err(|e| format!("it is damaged: {e}"))
 }
 
-/// The textures of glTF files (`EXT_texture_webp`); of a moving one the first image.
+/// Decodes a WebP, as in glTF files (`EXT_texture_webp`); of a moving one the first image.
 fn webp(bytes: &[u8]) -> Result<DynamicImage, String> {
     let damaged = |e: image::ImageError| format!("it is damaged: {e}");
     let decoder = WebPDecoder::new(Cursor::new(bytes)).map_err(damaged)?;
@@ -122,7 +122,7 @@ fn check_size((width, height): (u32, u32)) -> Result<(), String> {
     is_fine.then_some(()).ok_or_else(refused)
 }
 
-/// Photos are copied again; other images are saved again.
+/// Returns the reason as a clause. Photos are copied again; other images are saved again.
 fn reason(error: PhotoError) -> String {
     match error {
         PhotoError::NotAnImage { .. } => "it is neither PNG nor JPEG".to_owned(),
@@ -134,7 +134,7 @@ fn reason(error: PhotoError) -> String {
     }
 }
 
-/// The colours over white, and the share of pixels that let it through.
+/// Lays an image on white; returns the colours, and the share of pixels that let it through.
 fn on_white(image: DynamicImage, factor: f64) -> (RgbImage, f64) {
     let image = image.into_rgba8();
     let mut seen_through = 0_usize;

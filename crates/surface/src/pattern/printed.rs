@@ -1,4 +1,4 @@
-//! What a printer makes of the requested colours: measured on a chart, kept in the `[colour]` part of `printer.toml`.
+//! Colours that a printer makes of the requested ones: measured on a chart, kept in the `[colour]` part of `printer.toml`.
 //!
 //! Colours are relative to the paper: bare paper is white (L* 100).
 
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::colour::Lab;
 use super::gamut::{Gamut, combinations};
 
-/// Where measured colours come from.
+/// Source of measured colours.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ChartSource {
     /// Name of the chart.
@@ -22,7 +22,7 @@ pub struct ChartSource {
     pub levels: Vec<u8>,
 }
 
-/// Why a file's colours are not those that this program writes: the end of a sentence about the file.
+/// Reason why a file's colours are not those that this program writes: the end of a sentence about the file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ColoursError {
     #[error("the levels of its colour part do not ascend from 0 to 255")]
@@ -41,9 +41,9 @@ pub enum ColoursError {
 pub struct PrintedColour {
     /// The requested colour, 8-bit sRGB.
     pub asked_rgb: [u8; 3],
-    /// What came out, as the nearest 8-bit sRGB.
+    /// Colour that came out, as the nearest 8-bit sRGB.
     pub measured_rgb: [u8; 3],
-    /// What came out, as L*, a*, b* (D65, relative to the paper), to 0.01.
+    /// Colour that came out, as L*, a*, b* (D65, relative to the paper), to 0.01.
     pub measured_lab: [f64; 3],
     /// ΔE2000 between the requested colour and what came out.
     pub delta_e: f64,
@@ -93,7 +93,7 @@ impl PrintedColour {
         }
     }
 
-    /// What came out.
+    /// Returns the colour that came out.
     pub fn lab(&self) -> Lab {
         let [l, a, b] = self.measured_lab;
         Lab { l, a, b }
@@ -101,7 +101,7 @@ impl PrintedColour {
 }
 
 impl PrintedColours {
-    /// From light relative to the paper's. A colour that was requested several times is averaged. `source.levels` must be those of
+    /// Makes the colours from light relative to the paper's. A colour that was requested several times is averaged. `source.levels` must be those of
     /// a chart, all of whose colours are there.
     pub fn from_light(source: ChartSource, patches: impl Iterator<Item = ([u8; 3], [f64; 3])>) -> Self {
         let mut sums: BTreeMap<[u8; 3], ([f64; 3], f64)> = BTreeMap::new();
@@ -158,11 +158,11 @@ impl PrintedColours {
         })
     }
 
-    /// Whether this, from a file, is what the program writes: every combination of the levels is there, and all figures
-    /// are those of the patches.
+    /// Checks that this, from a file, is as the program writes it: every combination of the levels is there, and all figures are those of the
+    /// patches.
     ///
     /// # Errors
-    /// What is wrong, as half a sentence.
+    /// Says what is wrong, as half a sentence.
     pub fn check(&self) -> Result<(), ColoursError> {
         let ascends = self.levels.windows(2).all(|pair| pair[0] < pair[1]);
         if !ascends || self.levels.first() != Some(&0) || self.levels.last() != Some(&255) {
@@ -188,7 +188,7 @@ impl PrintedColours {
         Ok(())
     }
 
-    /// The `[colour]` part of a printer file, one patch a line.
+    /// Returns the `[colour]` part of a printer file, one patch a line.
     ///
     /// # Errors
     /// Only if the encoder fails.
@@ -218,7 +218,7 @@ impl PrintedColours {
     }
 }
 
-/// To 0.01; no negative zero.
+/// Rounds to 0.01; no negative zero.
 fn rounded(value: f64) -> f64 {
     (value * 100.0).round() / 100.0 + 0.0
 }

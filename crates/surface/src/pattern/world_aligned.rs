@@ -21,7 +21,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::Pattern;
 
-/// Normals this close (as a share of their length) to the edge between two sides count as on it, so that the two triangles
+/// Distance (as a share of the normal's length) from the edge between two sides within which normals count as on it, so that the two triangles
 /// of a flat chamfer at 45° do not part by rounding.
 const TIE: f64 = 1e-4;
 
@@ -46,7 +46,7 @@ impl Side {
         Self::Bottom,
     ];
 
-    /// The side a surface belongs to by its outward normal of any length (model frame). Of equals the roof or bottom comes
+    /// Returns the side a surface belongs to by its outward normal of any length (model frame). Of equals the roof or bottom comes
     /// first, then left or right; a normal of length 0 is the bottom's, which is not printed.
     pub fn facing(normal: &Vector3<f64>) -> Self {
         let [x, y, z] = [normal.x, normal.y, normal.z].map(f64::abs);
@@ -61,7 +61,7 @@ impl Side {
         }
     }
 
-    /// What the side is called in commands and on paper.
+    /// Returns the name of the side in commands and on paper.
     pub fn name(self) -> &'static str {
         match self {
             Self::Left => "left",
@@ -73,7 +73,7 @@ impl Side {
         }
     }
 
-    /// Unit vectors of u and v in the model frame.
+    /// Returns unit vectors of u and v in the model frame.
     pub fn axes(self) -> [Vector3<f64>; 2] {
         let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
         match self {
@@ -86,13 +86,13 @@ impl Side {
         }
     }
 
-    /// The outward direction in the model frame.
+    /// Returns the outward direction in the model frame.
     pub fn outward(self) -> Vector3<f64> {
         let [right, up] = self.axes();
         right.cross(&up)
     }
 
-    /// Where a point of the model frame lies in the side's plane: (u, v), mm.
+    /// Projects a point of the model frame into the side's plane: (u, v), mm.
     pub fn project(self, point_mm: &Point3<f64>) -> [f64; 2] {
         self.axes().map(|axis| axis.dot(&point_mm.coords))
     }
@@ -106,19 +106,19 @@ pub struct WorldAligned<'a> {
 }
 
 impl WorldAligned<'_> {
-    /// The colour of a surface point (model frame, mm) with this outward normal of any length.
+    /// Returns the colour of a surface point (model frame, mm) with this outward normal of any length.
     pub fn colour(&self, point_mm: &Point3<f64>, normal: &Vector3<f64>) -> [u8; 3] {
         let side = Side::facing(normal);
         self.colour_at(side.project(point_mm))
     }
 
-    /// The colour at (u, v) of any side, mm.
+    /// Returns the colour at (u, v) of any side, mm.
     pub fn colour_at(&self, at_mm: [f64; 2]) -> [u8; 3] {
         let [column, row] = self.cell_at(at_mm);
         self.pattern.cells().get_pixel(column, row).0
     }
 
-    /// Column and row of the pattern's cell at (u, v) of any side, mm.
+    /// Returns column and row of the pattern's cell at (u, v) of any side, mm.
     pub fn cell_at(&self, [u_mm, v_mm]: [f64; 2]) -> [u32; 2] {
         let cell = |mm: f64, count: u32| (mm / self.cell_mm).floor().rem_euclid(f64::from(count)) as u32;
         let (column, row) = (cell(u_mm, self.pattern.columns()), cell(-v_mm, self.pattern.rows()));

@@ -8,21 +8,21 @@ use crate::mesh::Mesh;
 use crate::pattern::numpy;
 use scaleproof_core::files;
 
-/// A million triangles of 4 × 4 × 4 colours fit, and the usual 23,000 of 6 × 6 × 6 twenty times.
+/// Size of the largest file: a million triangles of 4 × 4 × 4 colours fit, and the usual 23,000 of 6 × 6 × 6 twenty times.
 const MOST_BYTES: u64 = 1 << 30;
-/// Renderers work with 2 to 8.
+/// Largest number of texels along a side: renderers work with 2 to 8.
 const MOST_SIDE: u64 = 64;
 
 #[derive(Debug, Clone)]
 pub struct FaceTexels {
     /// Texels along a side of the cube, and along an edge of the triangle.
     pub(super) side: usize,
-    /// sRGB from 0 to 1: triangle, then the places along the cube's three axes.
+    /// Colours, sRGB from 0 to 1: triangle, then the places along the cube's three axes.
     texels: Arc<[[f32; 3]]>,
 }
 
 impl FaceTexels {
-    /// Reads `[1,] triangles, n, n, n, 3` numbers: floats from 0 to 1 or bytes. Also gives the file's SHA-256.
+    /// Reads `[1,] triangles, n, n, n, 3` numbers: floats from 0 to 1 or bytes. Returns the file's SHA-256, too.
     ///
     /// # Errors
     /// An unreadable or damaged file, another shape or kind of numbers, as many triangles as another mesh has.
@@ -45,7 +45,7 @@ impl FaceTexels {
         })
     }
 
-    /// Interpolated between the eight colours around a point, as the renderer does it: the share of each corner is the place along one
+    /// Interpolates between the eight colours around a point, as the renderer does it: the share of each corner is the place along one
     /// axis, from the first colour to the last. Colours of other triangles take no part.
     pub(super) fn colour(&self, at: &SurfacePoint) -> [u8; 3] {
         let places = at.within().map(|weight| weight * (self.side - 1) as f64);
@@ -66,7 +66,7 @@ impl FaceTexels {
     }
 }
 
-/// Of the cube.
+/// Returns the number of texels along a side of the cube.
 fn side(shape: &[u64], triangles: usize) -> Result<usize, String> {
     let (faces, side) = match *shape {
         [1, faces, a, b, c, 3] | [faces, a, b, c, 3] if a == b && b == c && (1..=MOST_SIDE).contains(&a) => (faces, a),

@@ -15,48 +15,48 @@ use scaleproof_core::geometry::doubled_area;
 use scaleproof_core::spelling::count;
 use scaleproof_photo::photo::Budget;
 
-/// Coordinates beyond this are damage: an image is repeated some hundred times at most.
+/// Largest texture coordinate: more is damage. An image is repeated some hundred times at most.
 const MAX_COORDINATE: f64 = 1e6;
-/// So far a point is drawn to the middle of its triangle, that no border of a texel decides by rounding whether the texel beside it is taken.
+/// Share by which a point is drawn to the middle of its triangle, so that rounding at a border of a texel does not take the texel beside it.
 const INWARD: f64 = 1e-9;
-/// All images of a mesh, as files and decoded. One of the largest that are decoded fits.
+/// Size of all images of a mesh, as files and decoded, bytes. One of the largest that are decoded fits.
 const MOST_BYTES: usize = 2 << 30;
-/// Where a file gives no image, no coordinates and no colour.
+/// Colour where a file gives no image, no coordinates and no colour.
 const PAPER: [u8; 3] = [255; 3];
 
-/// The image of each triangle and where the triangle lies in it. Its coordinates are its own: the mesh that is painted may be another file.
+/// The image of each triangle and the triangle's place in it. The coordinates are kept here: the mesh that is painted may be another file.
 #[derive(Debug, Clone)]
 pub struct MappedImages {
-    /// Of each triangle, with the places of its corners where it has an image.
+    /// Skin of each triangle, with the places of its corners where it has an image.
     places: Arc<[(Skin, TextureCoordinates)]>,
     maps: Arc<[Map]>,
 }
 
-/// An image and what lies beyond its borders.
+/// An image and its wrapping beyond its borders.
 #[derive(Debug)]
 struct Map {
     image: Arc<RgbImage>,
     wrap: [Wrap; 2],
 }
 
-/// An image and where triangles lie in it.
+/// An image and the places of triangles in it.
 pub struct OnlyImage {
     pub image: Arc<RgbImage>,
     pub wrap: Wrap,
     pub coordinates: Vec<TextureCoordinates>,
 }
 
-/// A texture that was read, and what there is to say about it.
+/// A texture that was read, and notes on it.
 pub struct Mapped {
     pub images: MappedImages,
     /// SHA-256 of each image, in the order of the materials.
     pub sha256: Vec<String>,
-    /// A sentence each, without a full stop.
+    /// Notes, a sentence each, without a full stop.
     pub notes: Vec<String>,
 }
 
 impl MappedImages {
-    /// One image instead of those that the mesh's file names; it lies as they do. `paint`: the materials that are painted, all when empty.
+    /// Reads one image instead of those that the mesh's file names; it wraps as they do. `paint`: the materials that are painted, all when empty.
     pub fn from_image(mesh: &Mesh, paint: &[usize], path: &Path) -> Result<Mapped, TextureError> {
         let picture = Picture::load(path)?;
         let map = |material| Map {
@@ -76,7 +76,7 @@ impl MappedImages {
         })
     }
 
-    /// The images that the mesh's own file names.
+    /// Reads the images that the mesh's own file names.
     pub fn from_mesh(mesh: &Mesh, paint: &[usize]) -> Result<Mapped, TextureError> {
         let mut collected = Collected::default();
         let mut skins = vec![Skin::None; mesh.materials().len()];
@@ -94,7 +94,7 @@ impl MappedImages {
         })
     }
 
-    /// `skins`: of each material.
+    /// Gives each triangle its image and place; `skins`: of each material.
     fn new(mesh: &Mesh, paint: &[usize], skins: &[Skin], maps: Vec<Map>) -> Result<Self, TextureError> {
         let place = |i: usize| match skins[mesh.triangles()[i].material] {
             Skin::Image(map) => mesh.coordinates(i).map_or(NOWHERE, |at| (Skin::Image(map), at)),
@@ -131,7 +131,7 @@ impl MappedImages {
         }
     }
 
-    /// Where a triangle's corners lie in its image, in texels.
+    /// Returns the places of a triangle's corners in its image, in texels.
     pub(super) fn in_cells(&self, triangle: usize) -> [[f64; 2]; 3] {
         match self.in_image(triangle) {
             Some((map, corners)) => {
@@ -141,7 +141,7 @@ impl MappedImages {
         }
     }
 
-    /// The colour at a place in a triangle's image, in texels.
+    /// Returns the colour at a place in a triangle's image, in texels.
     pub(super) fn cell(&self, triangle: usize, [across, up]: [f64; 2]) -> [u8; 3] {
         match (self.in_image(triangle), self.places.get(triangle)) {
             (Some((map, _)), _) => map.texel([
@@ -160,7 +160,7 @@ impl MappedImages {
         }
     }
 
-    /// The one image of these triangles; `None` where they have several, or a plain colour.
+    /// Returns the one image of these triangles; `None` where they have several, or a plain colour.
     pub fn only_image(&self, triangles: &[usize]) -> Option<OnlyImage> {
         let mut only: Option<(Arc<RgbImage>, Wrap)> = None;
         let mut coordinates = Vec::with_capacity(triangles.len());
@@ -179,7 +179,7 @@ impl MappedImages {
         })
     }
 
-    /// The area of a triangle in its image, in texels; `None` without an image.
+    /// Returns the area of a triangle in its image, in texels; `None` without an image.
     pub(super) fn texels(&self, triangle: usize) -> Option<f64> {
         self.in_image(triangle)?;
         let [a, b, c] = self.in_cells(triangle);
@@ -188,7 +188,7 @@ impl MappedImages {
 }
 
 impl Map {
-    /// The texel that a place lies in. Rows count from the top.
+    /// Returns the texel that a place lies in. Rows count from the top.
     fn texel(&self, [u, v]: [f64; 2]) -> [u8; 3] {
         let [across, up] = [self.wrap[0].within(u), self.wrap[1].within(v)];
         let (width, height) = self.image.dimensions();
@@ -198,7 +198,7 @@ impl Map {
     }
 }
 
-/// The place of what is drawn with nothing.
+/// Skin and place of a triangle without an image.
 const NOWHERE: (Skin, TextureCoordinates) = (Skin::None, [[0.0; 2]; 3]);
 
 #[derive(Debug, Clone, Copy)]
@@ -212,7 +212,7 @@ enum Skin {
 struct Collected {
     maps: Vec<Map>,
     decoded: HashMap<(String, String), Arc<RgbImage>>,
-    /// Bytes of all that was read and decoded.
+    /// Number of bytes of all that was read and decoded.
     held: usize,
     sha256: Vec<String>,
     notes: Vec<String>,
@@ -285,7 +285,7 @@ fn multiply(pixels: &mut Arc<RgbImage>, factor: [f64; 3]) {
     }
 }
 
-/// Refuses damage.
+/// Refuses damaged coordinates.
 fn check(corners: &TextureCoordinates) -> Result<(), TextureError> {
     let mut values = corners.as_flattened().iter().copied();
     let bad = values.find(|c| c.is_nan() || c.abs() > MAX_COORDINATE);

@@ -1,5 +1,5 @@
-//! What colour each point of a model's surface has: a world-aligned pattern, images on the mesh's texture coordinates, texels of each
-//! triangle, or patches placed over another texture. Whatever prints, renders or previews a painted surface asks here.
+//! Colour of each point of a model's surface: a world-aligned pattern, images on the mesh's texture coordinates, texels of each triangle, or patches
+//! placed over another texture. Printing, rendering and previews of a painted surface all take it from here.
 
 mod face_texels;
 mod mapped;
@@ -21,7 +21,7 @@ use crate::mesh::Mesh;
 use crate::pattern::picture::PictureError;
 use scaleproof_core::files::FileError;
 
-/// Why there is no texture. Each variant says what to change.
+/// Reason why there is no texture. Each variant says what to change.
 #[derive(Debug, thiserror::Error)]
 pub enum TextureError {
     #[error(transparent)]
@@ -53,27 +53,27 @@ pub enum TextureError {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfacePoint {
-    /// Of the mesh.
+    /// Index of the triangle in the mesh.
     pub triangle: usize,
     /// Shares of its corners, which add up to 1.
     pub weights: [f64; 3],
 }
 
 impl SurfacePoint {
-    /// The point with these shares of the corners of a part of a triangle; `part` are the corners' weights in the whole triangle.
+    /// Returns the point with these shares of the corners of a part of a triangle; `part` are the corners' weights in the whole triangle.
     pub fn in_part(triangle: usize, part: &[[f64; 3]; 3], shares: [f64; 3]) -> Self {
         let weights = std::array::from_fn(|k| (0..3).map(|i| shares[i] * part[i][k]).sum());
         Self { triangle, weights }
     }
 
-    /// Its weights on the triangle itself: a point beside it takes what lies at its border.
+    /// Returns its weights on the triangle itself: a point beside it takes the colour at its border.
     fn within(&self) -> [f64; 3] {
         let weights = self.weights.map(|weight| weight.max(0.0));
         let sum: f64 = weights.iter().sum();
         weights.map(|weight| weight / sum)
     }
 
-    /// Model frame, mm.
+    /// Returns the place in the model frame, mm.
     pub fn place_mm(&self, mesh: &Mesh) -> Point3<f64> {
         let corners = mesh.triangle_mm(self.triangle);
         let sum = (0..3).fold(nalgebra::Vector3::zeros(), |sum, i| {
@@ -99,7 +99,7 @@ pub enum Texture {
 }
 
 impl Texture {
-    /// The colour of the texel, cell or pixel that a point lies in: nothing is interpolated, so that no texel takes colour from one beside it
+    /// Returns the colour of the texel, cell or pixel that a point lies in: nothing is interpolated, so that no texel takes colour from one beside it
     /// in the image that is elsewhere on the model. Only the texels of one triangle are, as their renderer does it.
     pub fn colour(&self, mesh: &Mesh, at: &SurfacePoint) -> [u8; 3] {
         match self {
@@ -116,7 +116,8 @@ impl Texture {
         }
     }
 
-    /// Where a triangle's corners lie in a grid of cells of one colour each, as column and row; `None` where its colours lie in no such grid.
+    /// Returns the places of a triangle's corners in a grid of cells of one colour each, as column and row; `None` where its colours lie in no such
+    /// grid.
     pub fn in_cells(&self, mesh: &Mesh, triangle: usize) -> Option<[[f64; 2]; 3]> {
         match self {
             Self::Flat(_) => Some([[0.0; 2]; 3]),
@@ -138,8 +139,8 @@ impl Texture {
         }
     }
 
-    /// About how long a side of a texel is on a triangle's surface, mm: how finely the texture is to be sampled there. `None` where the
-    /// triangle has one colour.
+    /// Returns the approximate side of a texel on a triangle's surface, mm, by which the texture is to be sampled there. `None` where the triangle
+    /// has one colour.
     pub fn texel_mm(&self, mesh: &Mesh, triangle: usize) -> Option<f64> {
         let area_mm2 = || 0.5 * mesh.normal_mm2(triangle).norm();
         match self {
@@ -150,7 +151,7 @@ impl Texture {
                 let texels = images.texels(triangle).filter(|texels| *texels > 0.0)?;
                 Some((area_mm2() / texels).sqrt())
             }
-            // Half a square of so many texels along each side.
+            // The triangle is half a square of so many texels along each side.
             Self::Faces(texels) => Some((2.0 * area_mm2()).sqrt() / texels.side as f64),
             Self::Patches(below, patches) => {
                 let sides = patches.iter().map(PlacedPatch::pixel_mm);

@@ -1,4 +1,4 @@
-//! Images in places of the model's sides.
+//! Patches: images placed on the model's sides.
 
 use std::sync::Arc;
 
@@ -19,18 +19,18 @@ pub struct PlacedPatch {
 }
 
 impl PlacedPatch {
-    /// The shorter side of a pixel.
+    /// Returns the shorter side of a pixel, mm.
     pub(super) fn pixel_mm(&self) -> f64 {
         let (width, height) = self.image.dimensions();
         (self.size_mm.0 / f64::from(width)).min(self.size_mm.1 / f64::from(height))
     }
 
-    /// `None` beside the patch.
+    /// Returns the colour at a point; `None` beside the patch.
     pub(super) fn colour(&self, mesh: &Mesh, at: &SurfacePoint) -> Option<[u8; 3]> {
         self.colour_at(Side::facing(&mesh.normal_mm2(at.triangle)), &at.place_mm(mesh))
     }
 
-    /// The colour at a place (model frame, mm) of a surface that looks to a side; `None` beside the patch.
+    /// Returns the colour at a place (model frame, mm) of a surface that looks to a side; `None` beside the patch.
     pub fn colour_at(&self, side: Side, place_mm: &Point3<f64>) -> Option<[u8; 3]> {
         if side != self.side {
             return None;

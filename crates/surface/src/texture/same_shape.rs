@@ -1,12 +1,12 @@
-//! Whether two meshes are the same thing, up to scale and place.
+//! Check that two meshes are the same thing, up to scale and place.
 
 use super::TextureError;
 use crate::mesh::Mesh;
 
-/// Edges may differ by this share of a mesh's length: files are written with six digits.
+/// Share of a mesh's length by which edges may differ: files are written with six digits.
 const ROUNDING: f64 = 1e-4;
 
-/// Holds a mesh that brings a texture against the one that is painted, by the lengths of their triangles' edges.
+/// Checks a mesh that brings a texture against the one that is painted, by the lengths of their triangles' edges.
 pub fn check_same_shape(textured: &Mesh, given: &Mesh) -> Result<(), TextureError> {
     let counts = [textured, given].map(|mesh| mesh.triangles().len());
     if counts[0] != counts[1] {

@@ -14,7 +14,7 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// A pattern whose repeats are this wide.
+    /// Makes a tile of a pattern whose repeats are this wide.
     pub fn new(pattern: Pattern, tile_mm: f64) -> Self {
         let cell_mm = tile_mm / f64::from(pattern.columns());
         Self { pattern, cell_mm }
@@ -28,17 +28,17 @@ impl Tile {
         self.mapped().colour_at(self.plane_mm(mesh, at))
     }
 
-    /// Column and row of the cell that a point lies in.
+    /// Returns column and row of the cell that a point lies in.
     pub fn cell_of(&self, mesh: &Mesh, at: &SurfacePoint) -> [u32; 2] {
         self.mapped().cell_at(self.plane_mm(mesh, at))
     }
 
-    /// Where a point lies in the plane of its triangle's side: (u, v).
+    /// Returns the place of a point in the plane of its triangle's side: (u, v), mm.
     pub fn plane_mm(&self, mesh: &Mesh, at: &SurfacePoint) -> [f64; 2] {
         side(mesh, at.triangle).project(&at.place_mm(mesh))
     }
 
-    /// Where a triangle's corners lie among the cells.
+    /// Returns the places of a triangle's corners among the cells.
     pub(super) fn in_cells(&self, mesh: &Mesh, triangle: usize) -> [[f64; 2]; 3] {
         let side = side(mesh, triangle);
         mesh.triangle_mm(triangle)
@@ -61,17 +61,17 @@ fn side(mesh: &Mesh, triangle: usize) -> Side {
     Side::facing(&mesh.normal_mm2(triangle))
 }
 
-/// Six patterns, and which of them each triangle has.
+/// Six patterns, and the side of each triangle.
 #[derive(Debug, Clone)]
 pub struct SidePatterns {
-    /// In the order of [`Side::ALL`].
+    /// Tiles, in the order of [`Side::ALL`].
     tiles: Vec<Tile>,
-    /// Of each triangle of the mesh.
+    /// Side of each triangle of the mesh.
     sides: Vec<Side>,
 }
 
 impl SidePatterns {
-    /// `below_each_other`: the sides' patterns in one, in the order of [`Side::ALL`]. `None` where its rows are not those of six.
+    /// Takes the sides' patterns `below_each_other` in one, in the order of [`Side::ALL`]. `None` where its rows are not those of six.
     ///
     /// # Errors
     /// Only if an encoder fails.

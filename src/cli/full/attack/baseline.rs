@@ -207,7 +207,7 @@ fn patches(args: &PatchesArgs, out: &mut dyn Write) -> CommandResult {
     let judgement = judge_patches(&setup, &patches, base)?;
     let history = setup.history("patches", args.on.seed, vec![judged(judgement)]);
     let (path, content) = history.to_file(&args.on.output)?;
-    files::write_atomically(&path, &content)?;
+    files::replace_atomically(&args.on.output, &path, &content)?;
     let figures = figures_in_words(&setup, &history, &args.on.class);
     let words = format!("{}{figures}", path.display());
     told(args.on.json, args.on.made(&history, None), words, out)

@@ -49,7 +49,7 @@ pub(super) fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
         (args.output.join("renderers.svg"), draw(&rows).into_bytes()),
     ];
     new.extend(draw_training(&rows).map(|svg| (args.output.join("training.svg"), svg.into_bytes())));
-    files::replace_all_atomically(&new)?;
+    files::replace_all_atomically(&args.output, &new)?;
     if args.json {
         writeln!(out, "{json}")?;
         return Ok(Outcome::Done);

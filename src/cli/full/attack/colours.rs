@@ -40,7 +40,7 @@ pub(super) fn run(args: &ColoursArgs, out: &mut dyn Write) -> CommandResult {
     let list = super::new_list(&args.output)?;
     let colours = colours(args)?;
     let (new, frames) = recoloured(&set, &colours, &args.output)?;
-    files::replace_all_atomically(&new)?;
+    files::replace_all_atomically(&args.output, &new)?;
     super::say_frames(&list, frames, args.json, out)
 }
 

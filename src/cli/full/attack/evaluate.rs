@@ -109,7 +109,9 @@ pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
     // What is missing for the scores is said before the long work.
     let detectors = args.detectors(&class)?;
     files::check_writable(&args.output)?;
-    let folder = args.output.join("session");
+    let [folder, report] = ["session", "score"].map(|name| args.output.join(name));
+    files::chosen::check_folder(&args.output, &folder)?;
+    files::chosen::check_folder(&args.output, &report)?;
     let python = || blender::find(&cache(), progress::announce);
     progress::frames("rendering", evaluation.photos().len())
         .during(|bar| evaluation.render(&folder, python, |done| bar.set_position(done as u64)))?;
@@ -124,7 +126,7 @@ pub(super) fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
         patterns: variants,
         targets: args.target.clone(),
     };
-    report::write(&args.output.join("score"), &scores, None)?;
+    report::write(&report, &scores, None)?;
     let page = report::write_evaluation(&args.output, &tables)?;
     caution(&scores);
     let evaluated = Evaluated {

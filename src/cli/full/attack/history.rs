@@ -69,12 +69,12 @@ pub(super) fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
         new.push((at("rendered.json"), serde_json::to_vec_pretty(&rendered)?));
         new.push((at("rendered.svg"), time_chart::draw(&rendered).into_bytes()));
     }
-    files::replace_all_atomically(&new)?;
+    files::replace_all_atomically(&args.output, &new)?;
     if rendered.is_empty() {
         // Those of an earlier call would pass for these results'.
         ["rendered.json", "rendered.svg"]
             .iter()
-            .try_for_each(|name| files::remove(&at(name)))?;
+            .try_for_each(|name| files::chosen::remove(&args.output, &at(name)))?;
     }
     let path = |i: usize| new.get(i).map(|(path, _)| path);
     let facts = Histories {

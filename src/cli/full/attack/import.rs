@@ -75,7 +75,7 @@ pub(super) fn run(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
         Layout::Carla => (import(&args.folder, &args.output, "attack import")?, 3),
         Layout::Fca => (import_fca(args)?, 5),
     };
-    files::replace_all_atomically(&new)?;
+    files::replace_all_atomically(&args.output, &new)?;
     super::say_frames(&list, new.len() / images, args.json, out)
 }
 

@@ -94,7 +94,7 @@ pub(super) fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
     if made.frames == 0 {
         return Err("no view has photos in every colour that fit together; the lines `left out` say why".into());
     }
-    files::replace_all_atomically(&made.files)?;
+    files::replace_all_atomically(&args.output, &made.files)?;
     let (path, views) = (list.display(), made.views.len());
     let words = format!("{path}: {} of {}", count(made.frames, "frame"), count(views, "view"));
     left_out.extend(made.left_out);

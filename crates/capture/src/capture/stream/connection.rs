@@ -61,6 +61,8 @@ impl MotionJpeg {
         command
             .args(["-nostdin", "-hide_banner", "-loglevel", "error"])
             .args(["-protocol_whitelist", "http,tcp", "-rw_timeout", &silence])
+            // Only the address that was given is asked.
+            .args(["-max_redirects", "0"])
             // Without this it would wait for some images to find out how many come a second.
             .args(["-analyzeduration", "0", "-fflags", "nobuffer", "-f", "mpjpeg", "-i"])
             .arg(address.secret())

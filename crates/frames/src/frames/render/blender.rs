@@ -54,31 +54,32 @@ pub fn find(cache: &Path, say: impl FnOnce(&str)) -> Result<Python, RenderError>
     Ok(Python { program, packages })
 }
 
-/// Installs beside the place and renames, so that the folder is there only when it is whole.
+/// Installs into a new folder, which is there only when it is whole.
 fn install(program: &str, packages: &Path) -> Result<(), RenderError> {
-    let temporary = packages.with_extension(format!("5.{}.partial", std::process::id()));
-    let output = Command::new(program)
-        .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"])
-        .args(["--only-binary=:all:", "--target"])
-        .arg(&temporary)
-        .arg(PACKAGE)
-        .output();
-    let reason = match &output {
-        Ok(o) if o.status.success() => {
-            std::fs::rename(&temporary, packages).map_err(|e| FileError::write(packages, &e))?;
-            return Ok(());
-        }
-        Ok(o) => {
-            let said = String::from_utf8_lossy(&o.stderr);
-            let last = said.lines().map(str::trim).rfind(|line| !line.is_empty());
-            last.unwrap_or("nothing").to_owned()
-        }
-        Err(e) => files::plain(e),
-    };
-    // Half an installation is of no use; that it cannot be removed is no second error.
-    let _ = std::fs::remove_dir_all(&temporary);
+    let mut complaint = None;
+    let made = files::make_folder(packages, |inside| {
+        let output = Command::new(program)
+            .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"])
+            .args(["--only-binary=:all:", "--target"])
+            .arg(inside)
+            .arg(PACKAGE)
+            .output();
+        complaint = match &output {
+            Ok(o) if o.status.success() => return Ok(()),
+            Ok(o) => {
+                let said = String::from_utf8_lossy(&o.stderr);
+                let last = said.lines().map(str::trim).rfind(|line| !line.is_empty());
+                Some(last.unwrap_or("nothing").to_owned())
+            }
+            Err(e) => Some(files::plain(e)),
+        };
+        Err(FileError::cannot_write(packages, "half an installation is of no use"))
+    });
     let command = format!("{program} -m pip install {PACKAGE}");
-    Err(RenderError::Install { command, reason })
+    match complaint {
+        Some(reason) => Err(RenderError::Install { command, reason }),
+        None => Ok(made?),
+    }
 }
 
 /// Where the images of a folder, and what Blender says, lie until the images are whole.
@@ -91,27 +92,30 @@ pub fn log(work: &Path) -> PathBuf {
     work.join("blender.log")
 }
 
-/// Runs the script on a plan in a work folder, and calls `on_event` as images become whole. Returns whether Blender came to its end.
+/// Runs the script on a plan in the work folder of a folder, which is emptied before, and calls `on_event` as images become whole. Returns whether
+/// Blender came to its end.
 pub fn run(
     python: &Python,
     plan: &Value,
-    work: &Path,
+    folder: &Path,
     mut on_event: impl FnMut(BlenderEvent) -> Result<(), RenderError>,
 ) -> Result<bool, RenderError> {
     let failed = |path: &Path| {
         let path = path.to_owned();
         move |e| FileError::write(&path, &e)
     };
-    std::fs::create_dir_all(work).map_err(failed(work))?;
+    let work = &work_folder(folder);
+    emptied(folder, work)?;
     let [script, job] = ["render_frames.py", "plan.json"].map(|name| work.join(name));
-    files::replace_atomically(&job, plan.to_string().as_bytes())?;
-    files::replace_atomically(&script, SCRIPT.as_bytes())?;
+    files::replace_atomically(folder, &job, plan.to_string().as_bytes())?;
+    files::replace_atomically(folder, &script, SCRIPT.as_bytes())?;
     let mut child = Command::new(&python.program)
-        .args([&script, &job])
+        // Whole paths: the user's may begin with a hyphen.
+        .args([&script, &job].map(|path| std::path::absolute(path).unwrap_or_else(|_| path.clone())))
         .env("PYTHONPATH", &python.packages)
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
-        .stderr(std::fs::File::create(log(work)).map_err(failed(&log(work)))?)
+        .stderr(files::chosen::new_file(folder, &log(work))?)
         .spawn()
         .map_err(failed(&script))?;
     let said = child.stdout.take().map(|out| follow(out, &mut on_event));
@@ -122,6 +126,21 @@ pub fn run(
         return Err(problem);
     }
     Ok(child.wait().map_err(failed(&script))?.success())
+}
+
+/// Makes the work folder, or takes what an earlier run left out of it: Blender would write through a link there.
+fn emptied(folder: &Path, work: &Path) -> Result<(), FileError> {
+    files::chosen::folder(folder, work)?;
+    let unreadable = |e| FileError::read(work, &e);
+    for entry in std::fs::read_dir(work).map_err(unreadable)? {
+        let path = entry.map_err(unreadable)?.path();
+        let is_left = ["blender.log", "plan.json", "render_frames.py"].map(|name| path.ends_with(name));
+        if !is_left.contains(&true) && path.extension().is_none_or(|ending| ending != "f32") {
+            return Err(FileError::content(&path, "no render made it: move it away"));
+        }
+        files::chosen::remove(folder, &path)?;
+    }
+    Ok(())
 }
 
 /// Reads the script's lines; those of Blender itself are passed over.

@@ -11,9 +11,8 @@ use scaleproof_core::files;
 
 pub(super) struct Collector<'a> {
     pub plan: &'a RenderPlan,
+    /// Blender leaves its values in its work folder.
     pub folder: &'a Path,
-    /// Where Blender leaves its values.
-    pub work: &'a Path,
 }
 
 impl Collector<'_> {
@@ -37,12 +36,15 @@ impl Collector<'_> {
 
     pub(super) fn take_frame(&self, name: &str) -> Result<(), RenderError> {
         let size = self.plan.request().size_px;
-        let linear = triples(self.work, &format!("{name}.rgb"), size)?;
+        let linear = triples(self.folder, &format!("{name}.rgb"), size)?;
         let [rgb_file, linear_file] = self.frame_files(name);
-        files::replace_all_atomically(&[
-            (linear_file, encode_linear(&linear, size, LINEAR_MAX)?),
-            (rgb_file, encode_rgb(&srgb(&linear, size))?),
-        ])?;
+        files::replace_all_atomically(
+            self.folder,
+            &[
+                (linear_file, encode_linear(&linear, size, LINEAR_MAX)?),
+                (rgb_file, encode_rgb(&srgb(&linear, size))?),
+            ],
+        )?;
         Ok(())
     }
 
@@ -50,12 +52,12 @@ impl Collector<'_> {
         let request = self.plan.request();
         let (size, fine) = (request.size_px, request.size_px.map(|px| px * request.factor));
         let grey = |kind: &str, size: [u32; 2], most: f32, scale: f32| -> Result<Vec<u8>, RenderError> {
-            let shares = values(self.work, &format!("{view}.{kind}"), size, 1)?;
+            let shares = values(self.folder, &format!("{view}.{kind}"), size, 1)?;
             let levels = shares.iter().map(|v| (scale * v).round().clamp(0.0, most) as u8);
             let image = GrayImage::from_raw(size[0], size[1], levels.collect()).unwrap_or_default();
             Ok(encode_grey(&image)?)
         };
-        let places = triples(self.work, &format!("{view}.position"), fine)?;
+        let places = triples(self.folder, &format!("{view}.position"), fine)?;
         let places = places.iter().map(|p| p.map(f64::from));
         let about = self.plan.positions();
         let contents = [
@@ -65,18 +67,18 @@ impl Collector<'_> {
             grey("side", fine, 6.0, 1.0)?,
         ];
         let whole: Vec<_> = self.view_files(view).into_iter().zip(contents).collect();
-        Ok(files::replace_all_atomically(&whole)?)
+        Ok(files::replace_all_atomically(self.folder, &whole)?)
     }
 }
 
-/// The pixels of a raw image in linear light, row by row; the file is then removed.
-pub fn triples(raw: &Path, name: &str, size: [u32; 2]) -> Result<Vec<[f32; 3]>, RenderError> {
-    Ok(values(raw, name, size, 3)?.as_chunks::<3>().0.to_vec())
+/// The pixels of a raw image in linear light, row by row, that Blender left for a folder; the file is then removed.
+pub fn triples(folder: &Path, name: &str, size: [u32; 2]) -> Result<Vec<[f32; 3]>, RenderError> {
+    Ok(values(folder, name, size, 3)?.as_chunks::<3>().0.to_vec())
 }
 
 /// The values of a raw image, which is then removed.
-fn values(raw: &Path, name: &str, size: [u32; 2], channels: usize) -> Result<Vec<f32>, RenderError> {
-    let path = raw.join(format!("{name}.f32"));
+fn values(folder: &Path, name: &str, size: [u32; 2], channels: usize) -> Result<Vec<f32>, RenderError> {
+    let path = super::blender::work_folder(folder).join(format!("{name}.f32"));
     files::inputs::own(&path);
     let bytes = files::read(&path)?;
     let wanted = size[0] as usize * size[1] as usize * channels * 4;
@@ -87,7 +89,7 @@ fn values(raw: &Path, name: &str, size: [u32; 2], channels: usize) -> Result<Vec
             wanted,
         });
     }
-    files::remove(&path)?;
+    files::chosen::remove(folder, &path)?;
     let values = bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b));
     // What is no number would be black in one place and white in another.
     Ok(values.map(|v| if v.is_finite() { v } else { 0.0 }).collect())

@@ -100,19 +100,23 @@ pub fn render(
 ) -> Result<(), RenderError> {
     reserve(plan, folder)?;
     let work = &blender::work_folder(folder);
-    let collector = collect::Collector { plan, folder, work };
+    let collector = collect::Collector { plan, folder };
     let missing = collector.missing();
     let wanted = plan.frames().len();
     let mut done = wanted - missing.frames.len();
     on_frame(done);
     if !missing.is_empty() {
-        let finished = blender::run(python, &plan.to_script(&missing, folder), work, |event| {
+        // Blender says more than the script, such as names in a mesh: what was not asked for is none of its images.
+        let is_asked = |name: &String| missing.frames.iter().any(|frame| plan.frame_name(frame) == *name);
+        let is_view = |name: &String| missing.viewpoints.iter().any(|view| plan.view_name(*view) == *name);
+        let finished = blender::run(python, &plan.to_script(&missing, folder), folder, |event| {
             match event {
-                blender::BlenderEvent::Geometry(view) => collector.take_geometry(&view)?,
-                blender::BlenderEvent::Frame(name) => {
+                blender::BlenderEvent::Geometry(view) if is_view(&view) => collector.take_geometry(&view)?,
+                blender::BlenderEvent::Frame(name) if is_asked(&name) => {
                     collector.take_frame(&name)?;
                     done += 1;
                 }
+                _ => {}
             }
             on_frame(done);
             Ok(())
@@ -123,9 +127,9 @@ pub fn render(
         }
     }
     let (path, bytes) = plan.list().to_file(folder)?;
-    files::replace_atomically(&path, &bytes)?;
+    files::replace_atomically(folder, &path, &bytes)?;
     // Nothing is lost if the work folder stays.
-    let _ = std::fs::remove_dir_all(work);
+    let _ = files::chosen::remove_folder(folder, work);
     Ok(())
 }
 
@@ -157,7 +161,7 @@ fn reserve(plan: &RenderPlan, folder: &Path) -> Result<(), RenderError> {
         return Ok(());
     }
     for (path, bytes) in plan.pattern_files(folder)? {
-        files::replace_atomically(&path, &bytes)?;
+        files::replace_atomically(folder, &path, &bytes)?;
     }
-    Ok(files::replace_atomically(&note, own.as_bytes())?)
+    Ok(files::replace_atomically(folder, &note, own.as_bytes())?)
 }

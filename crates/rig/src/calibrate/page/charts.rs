@@ -8,7 +8,7 @@ use scaleproof_core::statistics::upper_median;
 
 const DOT: &str = "#c62f3b";
 
-/// Where corners were seen, on the grid of their counts, and the region they span.
+/// Draws the corners that were seen, on the grid of their counts, and the region they span.
 pub(super) fn coverage(found: &Calibration) -> Markup {
     let (w, h) = size(found);
     let most = f64::from(found.coverage.iter().copied().max().unwrap_or(1).max(1));
@@ -89,7 +89,7 @@ fn figure(found: &Calibration, title: &str, note: &str, body: &Markup) -> Markup
     }
 }
 
-/// The convex hull of all corners.
+/// Draws the convex hull of all corners.
 fn region(found: &Calibration) -> Markup {
     let corners = found.photos.iter().flat_map(|p| p.corners_px.iter().copied()).collect();
     let point = |[x, y]: [f64; 2]| format!("{:.1},{:.1}", x + 0.5, y + 0.5);
@@ -105,7 +105,7 @@ fn size(found: &Calibration) -> (f64, f64) {
     (f64::from(found.camera.width), f64::from(found.camera.height))
 }
 
-/// From white to a dark blue.
+/// Returns a colour from white to a dark blue.
 fn blue(share: f64) -> String {
     let share = share.clamp(0.0, 1.0);
     let [r, g, b] = [18.0, 72.0, 128.0].map(|to| (255.0 + (to - 255.0) * share).round() as u8);

@@ -141,7 +141,7 @@ fn left_out(found: &Calibration) -> Markup {
     }
 }
 
-/// A table; the column without a head holds bars.
+/// Renders a table; the column without a head holds bars.
 fn table(heads: &[&str], rows: &Markup) -> Markup {
     html! {
         div.scroll {

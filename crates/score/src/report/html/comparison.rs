@@ -1,4 +1,4 @@
-//! `comparison.html`: the drops of each texture with their intervals, and what the photos can tell.
+//! `comparison.html`: the drops of each texture with their intervals, photos side by side, and the method.
 
 use maud::{Markup, PreEscaped, html};
 
@@ -58,7 +58,7 @@ pub fn render(scores: &Scores, comparison: &Comparison) -> String {
     )
 }
 
-/// Every deviation from the plan that was fixed before the photos.
+/// Renders every deviation from the plan that was sealed before the photos.
 fn plan(plan: &PlanCheck) -> Markup {
     html! {
         p { "Held against the plan " code { (plan.seal) } ": " (paired::deviations(plan)) "." }
@@ -66,7 +66,7 @@ fn plan(plan: &PlanCheck) -> Markup {
     }
 }
 
-/// One figure of a comparison: its name, what its chart is called, where it is, and whether it is shown to change.
+/// One figure of a comparison: its name, the title of its chart, its difference, and whether it is shown to change.
 struct Figure {
     name: &'static str,
     title: &'static str,
@@ -118,7 +118,7 @@ pub(in crate::report) fn charts(scores: &Scores, comparison: &Comparison) -> Vec
     std::iter::once(first).chain(others).collect()
 }
 
-/// A row for each detector and texture: the drop on an axis from −1 to 1, and in numbers.
+/// Draws a row for each detector and texture: the drop on an axis from −1 to 1, and in numbers.
 fn forest(scores: &Scores, comparison: &Comparison, figure: &Figure) -> Drawing {
     let Figure {
         name,

@@ -9,17 +9,17 @@ use crate::report::{number, other_label};
 use crate::score::{EvaluatedDetector, ScoredPhoto, Scores};
 use scaleproof_detect::Detection;
 
-/// More photos are not shown: the page would be too large to open.
+/// Largest number of photos that are shown: with more the page would be too large to open.
 const MOST_PHOTOS: usize = 400;
 
-/// Detections of the class below the hit confidence are drawn when enlarged, from here up.
+/// Least confidence of the detections below the hit confidence that are drawn in an enlarged photo.
 const WEAKEST_DRAWN: f64 = 0.1;
 
 fn previewed(scores: &Scores) -> impl Iterator<Item = &ScoredPhoto> {
     scores.photos.iter().filter(|p| !p.preview_jpeg.is_empty())
 }
 
-/// The photos that are shown: all, or those that the most detectors missed, the least confident first.
+/// Returns the photos that are shown, those that the most detectors missed first, of these the least confident first; at most [`MOST_PHOTOS`].
 pub(super) fn shown(scores: &Scores) -> Vec<&ScoredPhoto> {
     let mut photos: Vec<&ScoredPhoto> = previewed(scores).collect();
     let hits = |p: &ScoredPhoto| p.outcomes.iter().filter(|o| o.is_hit()).count();
@@ -29,7 +29,7 @@ pub(super) fn shown(scores: &Scores) -> Vec<&ScoredPhoto> {
     photos
 }
 
-/// Each photo and its marks once, hidden; the sheet refers to them, so that ten detectors do not embed them ten times.
+/// Renders each photo and its tags once, hidden; the sheet refers to them, so that ten detectors do not embed them ten times.
 pub(super) fn photo_library(photos: &[&ScoredPhoto]) -> Markup {
     html! {
         svg.library aria-hidden="true" {
@@ -51,7 +51,7 @@ pub(super) fn photo_library(photos: &[&ScoredPhoto]) -> Markup {
     }
 }
 
-/// A card for each detector and photo, the worst first, and what narrows them down.
+/// Renders the legend, the filters, and a card for each detector and photo, the worst first.
 pub(super) fn sheet(scores: &Scores) -> Markup {
     let photos = shown(scores);
     let (kept, all) = (previewed(scores).count(), scores.photos.len());
@@ -115,7 +115,7 @@ fn card(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
     }
 }
 
-/// How well the photo is placed, and when and how it was taken, where that is known.
+/// Returns σ and rms of the photo's pose, the time it was taken and its exposure, where they are known.
 fn facts(p: &ScoredPhoto) -> Vec<String> {
     let quality = p.rms_px.zip(p.sigma).map(|(rms_px, sigma)| {
         let [azimuth, pitch, distance] = [sigma.azimuth_deg, sigma.pitch_deg, sigma.distance_mm].map(two_digits);
@@ -127,7 +127,7 @@ fn facts(p: &ScoredPhoto) -> Vec<String> {
         .collect()
 }
 
-/// A size with two digits that count, at most four behind the point.
+/// Formats a size with two significant digits, at most four behind the point.
 fn two_digits(size: f64) -> String {
     let digits = (1.0 - size.max(1e-3).log10().floor()).clamp(0.0, 4.0) as usize;
     format!("{size:.digits$}")
@@ -140,12 +140,12 @@ fn direction(p: &ScoredPhoto) -> String {
     format!("{:.0}° {}", v.azimuth_deg, side(v.azimuth_deg))
 }
 
-/// The whole photo.
+/// Draws the whole photo.
 pub(super) fn photo_view(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
     view(scores, p, index, [0.0, 0.0, f64::from(p.width), f64::from(p.height)])
 }
 
-/// The part of the photo around the model, 4 : 3.
+/// Draws the part of the photo around the model, 4 : 3.
 pub(super) fn model_view(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
     let (width, height) = (f64::from(p.width), f64::from(p.height));
     let (b, most) = (&p.truth, width.min(height * RATIO));
@@ -156,12 +156,12 @@ pub(super) fn model_view(scores: &Scores, p: &ScoredPhoto, index: usize) -> Mark
     view(scores, p, index, [left, top, wide, high])
 }
 
-/// Width of the part around a model to its height.
+/// Ratio of width to height of the part around a model.
 const RATIO: f64 = 4.0 / 3.0;
-/// How much wider that part is than the model.
+/// Ratio of the size of that part to the size of the model.
 const AROUND: f64 = 1.5;
 
-/// A part of a photo, as x, y, width and height in its pixels, with what a detector found in it.
+/// Draws a part of a photo (x, y, width and height in its pixels) with the detections of one detector.
 fn view(scores: &Scores, p: &ScoredPhoto, index: usize, part: [f64; 4]) -> Markup {
     let detector = &scores.detectors[index];
     let threshold = scores.criteria.hit_confidence;
@@ -193,7 +193,7 @@ fn paint(d: &Detection, detector: &EvaluatedDetector) -> &'static str {
     if detector.counts(d) { "#29a3ff" } else { "#ff8c1a" }
 }
 
-/// The label and confidence above a detection's box, or in it at the photo's upper edge.
+/// Draws the label and confidence above a detection's box, or in it at the photo's upper edge.
 fn name(p: &ScoredPhoto, d: &Detection, detector: &EvaluatedDetector) -> Markup {
     let label = detector.labels().name(d.label).unwrap_or("?");
     let above = d.box_px.y1 - 0.3 * letter(p);
@@ -213,7 +213,7 @@ fn rectangle([x, y, width, height]: &[f64; 4], colour: &str, dashes: Option<&str
     }
 }
 
-/// Height of the letters in pixels of the photo.
+/// Returns the height of letters in pixels of the photo.
 fn letter(p: &ScoredPhoto) -> f64 {
     f64::from(p.width.max(p.height)) / 65.0
 }

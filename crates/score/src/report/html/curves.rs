@@ -1,4 +1,4 @@
-//! Precision over recall, and how many photos show the model from each confidence up, with intervals: a pair of charts for each detector.
+//! Charts of precision over recall, and of the share of photos that show the model from each confidence up, with intervals, for each detector.
 
 use maud::{Markup, html};
 
@@ -23,7 +23,7 @@ pub(super) fn section(scores: &Scores) -> Markup {
     }
 }
 
-/// By the title of each detector: found from a confidence, and precision over recall.
+/// Returns by the title of each detector the charts of photos found from a confidence and of precision over recall.
 pub(in crate::report) fn charts(scores: &Scores) -> Vec<(&str, [Drawing; 2])> {
     let (all, variants) = (curves(scores), scores.variants());
     let of = scores.detectors.iter().map(|c| {
@@ -71,7 +71,7 @@ fn chart(label: String, [below, beside]: [&str; 2], content: Vec<Mark>) -> Drawi
     Drawing { area, label, marks }
 }
 
-/// Along the upper ends of the intervals, and back along the lower ones.
+/// Returns the outline of the intervals: along their upper ends, and back along the lower ones.
 fn band(points: &[HitRateFrom]) -> impl Iterator<Item = [f64; 2]> {
     let upper = points.iter().map(|p| SQUARE.at(p.confidence, p.rate.high));
     let lower = points.iter().rev().map(|p| SQUARE.at(p.confidence, p.rate.low));

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use crate::report::tables;
 use crate::score::Scores;
 
-/// `None` where it was not asked for.
+/// Renders the section; `None` for a run without defences.
 pub(super) fn section(scores: &Scores) -> Option<Markup> {
     let defences = scores.defences.as_ref()?;
     Some(html! {

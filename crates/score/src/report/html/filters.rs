@@ -1,4 +1,4 @@
-//! The controls above the contact sheet, and the keys on each card that they go by. Without scripts they stay hidden.
+//! Filters above the contact sheet, and the keys on each card that they use. Without scripts they stay hidden.
 
 use std::collections::BTreeSet;
 
@@ -8,10 +8,10 @@ use super::side;
 use crate::score::{PhotoOutcome, ScoredPhoto, Scores, Verdict};
 use scaleproof_pose::scene::Bin;
 
-/// A choice: its key on the cards, its name, and (value, name) of what can be chosen.
+/// A filter: its key on the cards, its name, and (value, name) of each option.
 type Choice = (&'static str, &'static str, Vec<(String, String)>);
 
-/// The controls, with what the outcomes and the first order of the cards are called. A choice between less than two things is left out.
+/// Renders the filters, with the names of the outcomes and of the initial order of the cards. A filter with less than two options is left out.
 pub(super) fn bar(scores: &Scores, photos: &[&ScoredPhoto], outcomes: &[(&str, &str)], order: &str) -> Markup {
     let detectors = scores.detectors.iter().map(|c| &c.manifest);
     let textures = scores.variants().into_iter().map(|v| (v.to_owned(), v.to_owned()));
@@ -56,7 +56,7 @@ fn values(bins: &BTreeSet<Bin>, of: fn(&Bin) -> f64, name: fn(f64) -> String) ->
     values.into_iter().map(|v| (v.to_string(), name(v))).collect()
 }
 
-/// What became of the model in a photo.
+/// Outcomes of a photo: key on the cards, and name.
 pub(super) const OUTCOMES: [(&str, &str); 4] = [
     ("disappeared", "missed: disappeared"),
     ("misclassified", "missed: misclassified"),
@@ -64,7 +64,7 @@ pub(super) const OUTCOMES: [(&str, &str); 4] = [
     ("found", "found"),
 ];
 
-/// The key of an outcome on the cards.
+/// Returns the key of an outcome on the cards.
 pub(super) fn outcome_key(outcome: &PhotoOutcome) -> &'static str {
     match outcome.verdict {
         Verdict::Missed if outcome.is_misclassified() => "misclassified",

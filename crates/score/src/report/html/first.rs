@@ -1,4 +1,4 @@
-//! What a page begins with: the verdict, photos side by side, each drop with its interval, and the table of effects. Notes follow.
+//! First screen of a page: the verdict, photos side by side, each drop with its interval, the table of effects, and the cautions.
 
 use maud::{Markup, html};
 
@@ -6,7 +6,7 @@ use super::{contact, interval_chart, strip};
 use crate::report::{paired, tables, verdict};
 use crate::score::{Compared, Scores};
 
-/// The first screen of a report or comparison, as far as there is something to compare.
+/// Renders the first screen of a report or comparison; a table of figures where nothing is compared.
 pub(super) fn screen(scores: &Scores, results: &[Compared], base: &str) -> Markup {
     html! {
         @for sentence in verdict::sentences(scores, results, base) { p.verdict { (sentence) "." } }
@@ -25,14 +25,14 @@ pub(super) fn screen(scores: &Scores, results: &[Compared], base: &str) -> Marku
     }
 }
 
-/// What each texture's rows rest on.
+/// Returns the numbers of pairs, places and bins that each texture's rows rest on.
 fn basis(results: &[Compared]) -> String {
     let textures = results.chunk_by(|a, b| a.variant == b.variant);
     let each = textures.map(|own| format!("{}: {}", own[0].variant, paired::basis(&own[0])));
     each.collect::<Vec<_>>().join("; ") + "."
 }
 
-/// The photos that a page shows, each once: those of the strip and these.
+/// Renders the photos that a page shows, each once: those of the strip and `others`.
 pub(super) fn library(
     scores: &Scores,
     results: &[Compared],

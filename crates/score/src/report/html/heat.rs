@@ -1,4 +1,4 @@
-//! Heat maps of the viewing directions: azimuth across, pitch and distance down, for each detector and texture.
+//! Heat maps of the viewing directions: azimuth across, elevation and distance down, for each detector and texture.
 
 use std::collections::BTreeSet;
 
@@ -16,14 +16,14 @@ const LEFT: f64 = 66.0;
 const TOP: f64 = 26.0;
 /// Width and height of a cell.
 const CELL: (f64, f64) = (34.0, 28.0);
-/// Of a texture's name above its rows.
+/// Height of a texture's name above its rows.
 const NAME: f64 = 17.0;
 const GAP: f64 = 7.0;
 
-/// What stands in a cell.
+/// Explanation of the cells.
 pub(in crate::report) const CELLS: &str = "In each cell mean confidence, hits / photos below; “–”: no photo";
 
-/// A map for each detector, its textures below each other.
+/// Renders a map for each detector, its textures below each other.
 pub(super) fn maps(scores: &Scores) -> Markup {
     let is_wide = scores.sessions[0].scene.bins.azimuth_centres().len() > 12;
     let maps = charts(scores);
@@ -48,7 +48,7 @@ pub(super) fn maps(scores: &Scores) -> Markup {
     }
 }
 
-/// The map of each detector, by its title; none where no photo is in a bin.
+/// Returns the map of each detector, by its title; none where no photo is in a bin.
 pub(in crate::report) fn charts(scores: &Scores) -> Vec<(&str, Drawing)> {
     let azimuths = scores.sessions[0].scene.bins.azimuth_centres();
     let rows = rows(scores);
@@ -57,7 +57,7 @@ pub(in crate::report) fn charts(scores: &Scores) -> Vec<(&str, Drawing)> {
         .collect()
 }
 
-/// Some steps of the colour scale, with what they mean.
+/// Returns some steps of the colour scale, with their meaning.
 pub(in crate::report) fn legend() -> Vec<(Colour, String)> {
     let steps = [
         ("mean confidence 0", 0.0),
@@ -69,7 +69,7 @@ pub(in crate::report) fn legend() -> Vec<(Colour, String)> {
     steps.map(|(name, share)| (shade(share), name.to_owned())).to_vec()
 }
 
-/// A row of the maps: a bin without its azimuth.
+/// Returns the row of a bin: the bin at azimuth 0.
 fn row_of(bin: &Bin) -> Bin {
     Bin {
         azimuth_deg: 0.0,
@@ -77,7 +77,7 @@ fn row_of(bin: &Bin) -> Bin {
     }
 }
 
-/// Every pitch and distance that has photos, ascending.
+/// Returns every elevation and distance that has photos, ascending.
 fn rows(scores: &Scores) -> Vec<Bin> {
     let cells = scores.summaries.iter().flat_map(|s| &s.cells);
     let rows: BTreeSet<Bin> = cells.map(|c| row_of(&c.bin)).collect();
@@ -127,7 +127,7 @@ fn found<'a>(s: &'a Summary, bin: &Bin) -> Option<&'a CellFigures> {
     s.cells.iter().find(|c| c.bin == *bin)
 }
 
-/// A cell below its middle.
+/// Draws a cell; the middle of its upper edge is the origin.
 fn cell(s: &Summary, bin: &Bin) -> Vec<Mark> {
     let area = Mark::rect([-CELL.0 / 2.0, 0.0], [CELL.0, CELL.1]).outlined(Colour(0xc3cad2), 0.7);
     let text = |y: f64, size: f64, colour: Colour, words: String| Mark::text([0.0, y], size, Middle, colour, words);
@@ -142,7 +142,7 @@ fn cell(s: &Summary, bin: &Bin) -> Vec<Mark> {
     ]
 }
 
-/// Everything about a cell, for the pointer and for screen readers.
+/// Returns all figures of a cell in words, for the pointer and for screen readers.
 fn title(s: &Summary, bin: &Bin) -> String {
     let place = format!(
         "{}, {}, {}° × {}° × {} mm",
@@ -152,7 +152,7 @@ fn title(s: &Summary, bin: &Bin) -> String {
         return format!("{place}: no photo");
     };
     let r = &f.hit_rate;
-    // One photo has no ranking.
+    // A single photo has no ranking, and so no AP.
     let ap50 = if f.photos > 1 {
         format!(", AP@0.5 {}", number(f.ap50, 3))
     } else {

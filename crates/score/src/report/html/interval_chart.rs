@@ -1,4 +1,4 @@
-//! The drop of the mean confidence of each detector: a dot and a whisker for each texture.
+//! Chart of the drop of the mean confidence of each detector: a dot and a whisker for each texture.
 
 use maud::{Markup, html};
 
@@ -11,17 +11,17 @@ use scaleproof_plot::{BLACK, Colour, Drawing, FAINT, INK, Mark, NOTE, WHITE, dis
 const LEFT: f64 = 170.0;
 const PLOT: f64 = 560.0;
 const RIGHT: f64 = 200.0;
-/// Of a texture in a detector's row.
+/// Height of a texture's line in a detector's row.
 const LINE: f64 = 17.0;
 const GAP: f64 = 9.0;
-/// Below the last row: numbers and title of the axis.
+/// Height of the numbers and title of the axis, below the last row.
 const AXIS: f64 = 38.0;
 
-/// What the marks mean.
+/// Explanation of the marks.
 pub(in crate::report) const MARKS: &str =
     "Dot: drop of the mean confidence from the base; whisker: its 95 % interval; filled: a change is shown";
 
-/// The chart with its legend.
+/// Renders the chart with its legend.
 pub(super) fn figure(scores: &Scores, results: &[Compared], base: &str) -> Markup {
     let textures = textures(results);
     html! {
@@ -33,7 +33,7 @@ pub(super) fn figure(scores: &Scores, results: &[Compared], base: &str) -> Marku
     }
 }
 
-/// The colours of the textures, with their names.
+/// Returns the colours of the textures, with their names.
 pub(in crate::report) fn legend(scores: &Scores, results: &[Compared]) -> Vec<(Colour, String)> {
     let all = textures(results).into_iter();
     all.map(|texture| (colour_of(scores, texture), texture.to_owned()))
@@ -54,7 +54,7 @@ fn colour_of(scores: &Scores, texture: &str) -> Colour {
     )
 }
 
-/// A row for each detector, below each other a line for each texture.
+/// Draws a row for each detector, and in it a line for each texture.
 pub(in crate::report) fn chart(scores: &Scores, results: &[Compared], base: &str) -> Drawing {
     let textures = textures(results);
     let row = LINE * textures.len() as f64 + GAP;
@@ -100,7 +100,7 @@ pub(in crate::report) fn chart(scores: &Scores, results: &[Compared], base: &str
     }
 }
 
-/// The whisker, the dot and the word of one detector and texture, at a height.
+/// Draws the whisker, the dot and the word of one detector and texture at the height `y`.
 fn line(scores: &Scores, r: &Compared, base: &str, y: f64, x: &dyn Fn(f64) -> f64) -> [Mark; 2] {
     let (d, colour) = (&r.mean_confidence, colour_of(scores, &r.variant));
     let (dot_fill, word_colour) = if r.effect().is_shown() {
@@ -125,10 +125,10 @@ fn line(scores: &Scores, r: &Compared, base: &str, y: f64, x: &dyn Fn(f64) -> f6
     ]
 }
 
-/// Between two lines of the grid.
+/// Distance between two lines of the grid.
 const STEP: f64 = 0.25;
 
-/// The ends of the axis: steps that hold every interval, 0 and a drop of 0.5.
+/// Returns the ends of the axis: multiples of [`STEP`] that enclose every interval, 0 and a drop of 0.5.
 fn ends(results: &[Compared]) -> [f64; 2] {
     let all = results.iter().flat_map(|r| {
         let d = &r.mean_confidence;

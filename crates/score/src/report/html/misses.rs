@@ -1,4 +1,4 @@
-//! What became of the model in each photo, as bars.
+//! Outcomes of all photos, as bars.
 
 use maud::{Markup, html};
 
@@ -6,7 +6,7 @@ use super::{heads, rows_by_detector, table, title_of};
 use crate::report::number;
 use crate::score::{Figures, Scores, Summary};
 
-/// A bar of all photos for each detector and texture: hits, misclassified, disappeared.
+/// Renders a bar of all photos for each detector and texture: hits, misclassified, disappeared.
 pub(super) fn outcomes(scores: &Scores) -> Markup {
     let head = html! {
         (heads("detector", &["texture", "photos"])) th { "halluci\u{ad}nations" br; small { "a photo" } }

@@ -34,10 +34,10 @@ use scaleproof_plot::{BLACK, Colour, Drawing, FAINT, Mark, NOTE, html_page};
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");
 
-/// So many columns of detectors or patterns are as wide as a laptop shows without scrolling.
+/// Largest number of columns of detectors or patterns that a laptop shows without scrolling.
 const ACROSS: usize = 8;
 
-/// The page of a scoring run; without `speeds` there is no chart of AP against time.
+/// Renders the page of a scoring run; without `speeds` there is no chart of AP against time.
 pub fn render(scores: &Scores, speeds: Option<&Speeds>) -> String {
     let (results, base) = (all_paired(scores), scores.base.as_str());
     let library = first::library(scores, results, base, contact::shown(scores));
@@ -51,7 +51,7 @@ struct Section {
     id: &'static str,
     title: &'static str,
     content: Markup,
-    /// True where it is opened by a click.
+    /// True if it is opened by a click.
     is_folded: bool,
 }
 
@@ -149,7 +149,7 @@ fn title(scores: &Scores) -> String {
     models.join(", ")
 }
 
-/// `1:10 model of a car · 16 photos · 5 detectors, recorded detections`
+/// Returns the line below the title: `1:10 model of a car · 16 photos · 5 detectors, their detections recorded`.
 fn lead(scores: &Scores) -> String {
     let model = &scores.sessions[0].scene.model;
     let left_out = match scores.not_scored.len() {
@@ -175,7 +175,7 @@ fn lead(scores: &Scores) -> String {
     )
 }
 
-/// What a photo of the run is called.
+/// Returns the word for a photo of the run: `render` or `photo`.
 fn a_photo(scores: &Scores) -> &'static str {
     if verdict::are_renders(scores) {
         "render"
@@ -211,17 +211,17 @@ fn recorded_banner(scores: &Scores) -> Markup {
     }
 }
 
-/// A table that scrolls sideways where it is wider than the page.
+/// Renders a table that scrolls sideways where it is wider than the page.
 fn table(class: Option<&str>, head: &Markup, rows: &Markup) -> Markup {
     html! { div.scroll { table class=[class] { thead { tr { (head) } } tbody { (rows) } } } }
 }
 
-/// The heads of a table whose first column may be a number and whose others are text.
+/// Renders the heads of a table whose first column may be a number and whose others are text.
 fn heads(first: &str, others: &[&str]) -> Markup {
     html! { th { (first) } @for name in others { th.text { (name) } } }
 }
 
-/// The rows of a table of detectors and textures; a detector's name stands in the first of its rows alone.
+/// Renders the rows of a table of detectors and textures; a detector's name stands in the first of its rows alone.
 fn rows_by_detector(
     scores: &Scores,
     name: impl Fn(&EvaluatedDetector) -> Markup,
@@ -242,7 +242,7 @@ fn title_of(detector: &EvaluatedDetector) -> Markup {
     html! { (detector.manifest.title) }
 }
 
-/// The entries of a legend: names by the colours of the variants, in their order.
+/// Renders the entries of a legend: names by the colours of the variants, in their order.
 fn colour_names(names: &[&str]) -> Markup {
     html! { @for (i, name) in names.iter().enumerate() { li { i style=(format!("background:{}", colour(i))) {} (name) } } }
 }
@@ -255,13 +255,13 @@ fn small_charts(charts: impl IntoIterator<Item = (Markup, Drawing)>) -> Markup {
     }
 }
 
-/// Where shares from 0 to 1 are drawn: `x` to the right, `y` up, in px.
+/// Plot area for shares from 0 to 1, one to the right and one up; its size in px.
 struct Plane {
     width: f64,
     height: f64,
 }
 
-/// Where both shares have the same length.
+/// Plot area in which both shares have the same length.
 const SQUARE: Plane = Plane {
     width: SIDE,
     height: SIDE,
@@ -273,7 +273,7 @@ impl Plane {
         [across * self.width, (1.0 - up) * self.height]
     }
 
-    /// Lines at 0, 0.5 and 1 with their numbers, `left` of the plane; upright ones too where their numbers stand `below` it.
+    /// Draws lines at 0, 0.5 and 1 with their numbers at x = `left`; upright lines too where `below` has the place of their numbers below the area.
     fn grid(&self, left: f64, below: Option<f64>) -> Vec<Mark> {
         let mut marks = Vec::new();
         for tick in [0.0, 0.5, 1.0] {
@@ -286,24 +286,24 @@ impl Plane {
         marks
     }
 
-    /// What is drawn upwards, along the axis.
+    /// Draws the title of the upright axis, along it.
     fn upright_title(&self, left: f64, title: &str) -> Mark {
         Mark::text([left, self.height / 2.0], 10.0, Middle, BLACK, title).upright()
     }
 }
 
-/// What the colours of the variants mean.
+/// Returns the colours of the variants, with their names.
 pub(super) fn legend(scores: &Scores) -> Vec<(Colour, String)> {
     let all = scores.variants().into_iter().enumerate();
     all.map(|(i, variant)| (colour(i), variant.to_owned())).collect()
 }
 
-/// Colours of the variants, in their order: the base variant grey. None is a colour that outcomes have.
+/// Returns the colour of the variant at `index`; the base variant is grey. None is a colour of an outcome.
 fn colour(index: usize) -> Colour {
     Colour([0x5b6573, 0x0f7f8c, 0x1f4fb4, 0xa0522d, 0xb03a9b, 0x4a4a9c][index % 6])
 }
 
-/// What a viewer standing in a bin sees.
+/// Returns the side of the model that is seen from an azimuth: `front left`.
 fn side(azimuth_deg: f64) -> &'static str {
     const SIDES: &str = "front, front left, left, rear left, rear, rear right, right, front right";
     let eighth = ((azimuth_deg / 45.0).round() as usize) % 8;

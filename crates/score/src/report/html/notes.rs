@@ -1,4 +1,4 @@
-//! What stands under the figures: photos left out, definitions, provenance.
+//! Notes under the figures: method, photos left out, definitions, provenance.
 
 use maud::{Markup, html};
 
@@ -8,7 +8,7 @@ use crate::report::{certainty, counted, paper, provenance, truth_boxes};
 use crate::score::{Compared, Comparison, NotScored, Scores, disagreements};
 use scaleproof_core::spelling;
 
-/// How effects were decided and how far they hold, where AP and hits disagree, and what may be written of it all.
+/// Renders sentences for a paper, how effects were decided, where AP and hits disagree, and the definitions in short.
 pub(super) fn method(scores: &Scores, results: &[Compared], base: &str, judged: Judged) -> Markup {
     let paper = paper::sentences(scores, results, base, judged);
     html! {
@@ -57,12 +57,12 @@ pub(super) fn definitions(scores: &Scores) -> Markup {
     }
 }
 
-/// What is known, or that it is not.
+/// Returns the text, or `not stated` where it is empty.
 fn stated(text: String) -> String {
     if text.is_empty() { "not stated".to_owned() } else { text }
 }
 
-/// From the first to the last, or the one time there is.
+/// Returns the first and the last time, or the one time where both are equal; empty where none is known.
 fn taken(times: Option<&[String; 2]>) -> String {
     times.map_or(String::new(), |times| match times {
         [first, last] if first == last => first.clone(),
@@ -70,13 +70,13 @@ fn taken(times: Option<&[String; 2]>) -> String {
     })
 }
 
-/// The random numbers that the intervals of a comparison rest on.
+/// Returns number and seed of the bootstrap draws of a comparison.
 pub(super) fn bootstrap(comparison: &Comparison) -> String {
     let (draws, seed) = (comparison.bootstrap_draws, comparison.bootstrap_seed);
     format!("{draws} bootstrap draws, seed {seed}")
 }
 
-/// `chance` says which random numbers the figures rest on.
+/// Renders the provenance of a run; `chance` says which random numbers the figures rest on.
 pub(super) fn provenance(scores: &Scores, chance: &str) -> Markup {
     let p = provenance::from_scores(scores);
     let sources = html! {

@@ -8,12 +8,12 @@ use super::{contact, filters, side};
 use crate::report::number;
 use crate::score::{Comparison, PhotoOutcome, ScoredPhoto, Scores, paired_photos};
 
-/// More pairs are not shown: the page would be too large to open.
+/// Largest number of pairs that are shown: with more the page would be too large to open.
 const MOST_PAIRS: usize = 200;
 
 type Pair<'a> = (&'a ScoredPhoto, &'a ScoredPhoto);
 
-/// What became of the model in both photos: the key on the cards, and what people call it.
+/// Outcomes of the model in both photos of a pair: key on the cards, and name.
 pub(super) const OUTCOMES: [(&str, &str); 4] = [
     ("lost", "found, then missed"),
     ("missed", "missed in both"),
@@ -30,13 +30,13 @@ fn outcome(base: &PhotoOutcome, other: &PhotoOutcome) -> usize {
     }
 }
 
-/// The photos of the pairs that are shown, each once.
+/// Returns the photos of the pairs that are shown, each once.
 pub(super) fn photos<'a>(scores: &'a Scores, comparison: &Comparison) -> Vec<&'a ScoredPhoto> {
     let pairs = shown(&pairs(scores, comparison));
     without_repeats(pairs.into_iter().flat_map(|(base, other)| [base, other]).collect())
 }
 
-/// Pairs whose photos were kept, those that lost most first, no more than a page can hold.
+/// Returns the pairs with previews of both photos, those that lost most confidence first; at most [`MOST_PAIRS`].
 fn shown<'a>(all: &[Pair<'a>]) -> Vec<Pair<'a>> {
     let previewed = |(base, other): &&Pair| !base.preview_jpeg.is_empty() && !other.preview_jpeg.is_empty();
     let mut shown: Vec<Pair> = all.iter().filter(previewed).copied().collect();
@@ -49,7 +49,7 @@ fn shown<'a>(all: &[Pair<'a>]) -> Vec<Pair<'a>> {
     shown
 }
 
-/// A card for each detector and pair; `None` where the run kept no previews.
+/// Renders a card for each detector and pair; `None` where the run kept no previews.
 pub(super) fn section(scores: &Scores, comparison: &Comparison) -> Option<Markup> {
     let all = pairs(scores, comparison);
     let shown = shown(&all);
@@ -87,7 +87,7 @@ fn pairs<'a>(scores: &'a Scores, comparison: &Comparison) -> Vec<Pair<'a>> {
     textures.into_iter().flat_map(of).collect()
 }
 
-/// A base photo is in a pair with each texture.
+/// Keeps each photo once: a base photo is in a pair with each texture.
 fn without_repeats(photos: Vec<&ScoredPhoto>) -> Vec<&ScoredPhoto> {
     let mut seen = BTreeSet::new();
     photos.into_iter().filter(|photo| seen.insert(photo.id)).collect()

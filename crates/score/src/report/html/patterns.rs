@@ -1,4 +1,4 @@
-//! The patterns of a run's textures: what was on the model, to the cell.
+//! Patterns of a run's textures, and some photos of each texture.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -6,10 +6,10 @@ use maud::{Markup, html};
 
 use crate::score::{ScoredPhoto, Scores, WornPattern};
 
-/// So many of a texture's photos show what it looks like on the model.
+/// Number of photos that show a texture on the model.
 const STRIP: usize = 8;
 
-/// Each pattern that is known, and which textures it is not known of; nothing for a run of the plain model alone.
+/// Renders each known pattern, and names the textures whose pattern is not known; `None` for a run of the plain model alone.
 pub(super) fn cards(scores: &Scores) -> Option<Markup> {
     let variants = scores.variants();
     let textures = || variants.iter().filter(|v| **v != scores.base);
@@ -28,7 +28,7 @@ pub(super) fn cards(scores: &Scores) -> Option<Markup> {
     })
 }
 
-/// Each texture with its pattern, where it has one, and some of its photos.
+/// Renders each texture with its pattern, where it has one, and some of its photos.
 pub(super) fn strips(scores: &Scores, textures: &[String]) -> Markup {
     html! {
         @for texture in textures {
@@ -48,7 +48,7 @@ fn of<'a>(scores: &'a Scores, variant: &str) -> Option<&'a WornPattern> {
     scores.patterns.iter().find(|p| p.variant == variant)
 }
 
-/// Photos of a texture, evenly spread over those that have a preview.
+/// Returns photos of a texture, evenly spread over those that have a preview.
 fn spread<'a>(scores: &'a Scores, variant: &str) -> Vec<&'a ScoredPhoto> {
     let is_own = |p: &&ScoredPhoto| p.variant == variant && !p.preview_jpeg.is_empty();
     let own: Vec<&ScoredPhoto> = scores.photos.iter().filter(is_own).collect();

@@ -9,14 +9,14 @@ use scaleproof_plot::{Colour, Drawing, FAINT, Mark, NOTE, WHITE};
 
 const RADIUS: f64 = 88.0;
 
-/// What the marks mean.
+/// Explanation of the marks.
 pub(in crate::report) const MARKS: &str = "Distance from the middle: mean confidence, rings at 0.5 and 1; filled dot: every photo a hit, hollow: not every one; \
     a line where every bin has several photos";
 
-/// So many photos make a bin's mean more than one photo's chance.
+/// Least number of photos from which a bin's mean is more than one photo's chance.
 const SEVERAL: usize = 2;
 
-/// One chart per detector, with a legend.
+/// Renders one chart per detector, with a legend.
 pub(super) fn row(scores: &Scores) -> Markup {
     html! {
         ul.legend {
@@ -70,8 +70,8 @@ fn side_names() -> [Mark; 4] {
     names.map(|(name, place, anchor)| Mark::text(place, 11.0, anchor, NOTE, name))
 }
 
-/// The points of one variant, joined to a line only where each bin rests on several photos: a line between single photos would show a course that
-/// nothing tells. A bin without photos breaks it.
+/// Draws the points of one variant, joined to a line only where each bin rests on several photos: a line between single photos would show a course
+/// without support. A bin without photos breaks the line.
 fn line(colour: Colour, bins: &[BinFigures]) -> Vec<Mark> {
     let point = |b: &BinFigures| Some(at(b.azimuth_deg, b.figures.as_ref()?.mean_confidence));
     let points: Vec<Option<[f64; 2]>> = bins.iter().map(point).collect();
@@ -96,7 +96,8 @@ fn line(colour: Colour, bins: &[BinFigures]) -> Vec<Mark> {
     marks
 }
 
-/// Where a share of the radius at an azimuth is drawn: front up, counter-clockwise seen from above, so that the model's left side is on the left.
+/// Returns the place of a share of the radius at an azimuth: front up, counter-clockwise seen from above, so that the model's left side is on the
+/// left.
 pub fn at(azimuth_deg: f64, share: f64) -> [f64; 2] {
     let a = azimuth_deg.to_radians();
     [-RADIUS * share * a.sin(), -RADIUS * share * a.cos()]

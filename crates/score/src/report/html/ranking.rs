@@ -11,7 +11,7 @@ use scaleproof_plot::{BLACK, Drawing, Mark};
 const HEIGHT: f64 = 130.0;
 const WIDTH: f64 = 120.0;
 
-/// `None` where it was not asked for.
+/// Renders the section; `None` for a run without a ranking.
 pub(super) fn section(scores: &Scores) -> Option<Markup> {
     let ranking = scores.ranking.as_ref()?;
     let of_all = ranking.rows.iter().filter(|row| row.photos == "all");
@@ -22,7 +22,7 @@ pub(super) fn section(scores: &Scores) -> Option<Markup> {
     })
 }
 
-/// AP here on the left, there on the right.
+/// Draws the AP of each texture here on the left, joined to that in the other sessions on the right.
 fn chart(scores: &Scores, row: &RankingRow) -> Drawing {
     let plane = Plane {
         width: WIDTH,

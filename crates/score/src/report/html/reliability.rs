@@ -1,4 +1,4 @@
-//! Reliability diagrams: what share of the detections of some confidence is correct?
+//! Reliability diagrams: share of correct detections by their confidence.
 
 use maud::{Markup, html};
 
@@ -9,7 +9,7 @@ use scaleproof_core::spelling;
 use scaleproof_plot::Anchor::Middle;
 use scaleproof_plot::{BLACK, Colour, Drawing, INK, Mark, NOTE};
 
-/// With fewer detections the error says little.
+/// Number of detections below which the error says little.
 const FEW: usize = 100;
 
 pub(super) fn diagrams(scores: &Scores) -> Markup {
@@ -65,7 +65,7 @@ fn diagram(title: &str, r: &Reliability) -> Drawing {
     }
 }
 
-/// A bin's bar with its interval, where it has detections, and their number below it.
+/// Draws a bin's bar with its interval, where it has detections, and their number below it.
 fn bar(bin: &ConfidenceBin) -> Vec<Mark> {
     let [middle, bottom] = SQUARE.at((bin.low + bin.high) / 2.0, 0.0);
     let count = Mark::text([middle, bottom + 11.0], 7.5, Middle, NOTE, bin.detections);
@@ -86,7 +86,7 @@ fn bar(bin: &ConfidenceBin) -> Vec<Mark> {
     drawn.into_iter().chain([count]).collect()
 }
 
-/// An upright line with a bar at each end.
+/// Returns an upright line with a bar at each end.
 fn whisker(x: f64, from: f64, to: f64) -> [[f64; 2]; 6] {
     let end = |y: f64| [[x - 3.0, y], [x + 3.0, y]];
     let ([a, b], [c, d]) = (end(from), end(to));

@@ -12,12 +12,12 @@ const PLANE: Plane = Plane {
     width: 180.0,
     height: 120.0,
 };
-/// Of the last severity.
+/// Greatest severity.
 const LAST: f64 = 5.0;
 
 pub(in crate::report) const MARKS: &str = "Severity 0: the photo reduced to 640 px, no worse; below the axes the amounts. Filled: the 95 % interval of the drop of AP@0.5 from the base lies above 0 there.";
 
-/// `None` where it was not asked for.
+/// Renders the section; `None` for a run without corruptions.
 pub(super) fn section(scores: &Scores) -> Option<Markup> {
     let robustness = scores.robustness.as_ref()?;
     let survival = tables::survival(robustness);
@@ -36,7 +36,7 @@ pub(super) fn section(scores: &Scores) -> Option<Markup> {
     })
 }
 
-/// By title.
+/// Returns the chart of each detector and corruption, by its title.
 pub(in crate::report) fn charts(scores: &Scores, robustness: &Robustness) -> Vec<(String, Drawing)> {
     let corruptions = robustness.corruptions();
     let mut all = Vec::new();
@@ -52,7 +52,7 @@ pub(in crate::report) fn charts(scores: &Scores, robustness: &Robustness) -> Vec
     all
 }
 
-/// `own`: those of one detector and corruption.
+/// Draws the chart of `own`, the rows of one detector and corruption.
 fn chart(scores: &Scores, title: String, own: &[&CorruptedRow]) -> Drawing {
     let from_base: Vec<&CorruptedRow> = own.iter().copied().filter(|row| row.held.base == scores.base).collect();
     let amounts = distinct(from_base.iter().map(|row| (row.severity, row.amount.as_str())));
@@ -86,7 +86,7 @@ fn chart(scores: &Scores, title: String, own: &[&CorruptedRow]) -> Drawing {
     }
 }
 
-/// What has room below an axis.
+/// Returns the part of an amount that has room below an axis: the text before its bracket.
 fn short(amount: &str) -> &str {
     match amount.split(" (").next() {
         None | Some("") => "0",
@@ -101,7 +101,7 @@ fn of_base(from_base: &[&CorruptedRow]) -> Vec<(f64, f64, bool)> {
         .collect()
 }
 
-/// (severity, AP, whether it is filled); the base has no marks.
+/// Draws a line through (severity, AP, whether the dot is filled), with dots but for the base.
 fn line(colour: Colour, points: &[(f64, f64, bool)], is_base: bool) -> Vec<Mark> {
     let places = points.iter().map(|(severity, ap, _)| at(*severity, *ap));
     let dots = points.iter().filter(|_| !is_base).map(|(severity, ap, is_filled)| {

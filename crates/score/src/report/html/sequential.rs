@@ -1,4 +1,4 @@
-//! A comparison look by look: what was decided when, and the evidence as it grew.
+//! A sequential comparison look by look: its decisions, and the evidence as it grew.
 
 use maud::{Markup, html};
 
@@ -10,10 +10,10 @@ use scaleproof_plot::Anchor::{End, Middle};
 use scaleproof_plot::{BLACK, Drawing, FAINT, INK, Mark, NOTE};
 
 const SIDE: [f64; 2] = [220.0, 120.0];
-/// Base-10 logarithms of the evidence that a chart reaches from and to.
+/// Range of the evidence in a chart, as base-10 logarithms.
 const EVIDENCE: [f64; 2] = [-2.0, 4.0];
 
-/// `None` where it was not asked for.
+/// Renders the section; `None` for a comparison without a sequential test.
 pub(super) fn section(scores: &Scores, comparison: &Comparison) -> Option<Markup> {
     let sequential = comparison.sequential.as_ref()?;
     let captioned = |course: &Course| {

@@ -1,4 +1,4 @@
-//! AP against milliseconds per photo: what accuracy costs, and what each texture takes away of it.
+//! Chart of AP against milliseconds per photo, for each detector and texture.
 
 use maud::{Markup, html};
 
@@ -13,7 +13,7 @@ use scaleproof_plot::{Anchor, BLACK, Drawing, FAINT, Mark, NOTE, PlotAxis, Scale
 const PLOT: (f64, f64) = (430.0, 250.0);
 const RADIUS: f64 = 4.5;
 
-/// The chart of the detectors whose times are known, and where the times come from.
+/// Renders the chart of the detectors whose times are known, and the source of the times.
 pub(super) fn chart(scores: &Scores, speeds: Option<&Speeds>) -> Markup {
     let Some(speeds) = speeds else {
         return html! {
@@ -76,20 +76,20 @@ fn y(ap: f64) -> f64 {
     (1.0 - ap) * PLOT.1
 }
 
-/// The AP of a detector on each texture, by the index of the texture.
+/// Returns the AP of a detector on each texture, by the index of the texture.
 fn aps(scores: &Scores, detector: &str) -> Vec<(usize, f64)> {
     let all = scores.variants().into_iter().enumerate();
     all.filter_map(|(i, variant)| Some((i, scores.summary(detector, variant)?.overall.ap50)))
         .collect()
 }
 
-/// Where a detector's best and worst texture stand.
+/// Returns the heights of a detector's best and worst texture in the chart, in px.
 fn ends(scores: &Scores, speed: &Speed) -> (f64, f64) {
     let all = aps(scores, &speed.detector).into_iter().map(|(_, ap)| y(ap));
     all.fold((f64::INFINITY, 0.0_f64), |(top, bottom), v| (top.min(v), bottom.max(v)))
 }
 
-/// A mark for each texture, on one upright line.
+/// Draws a mark for each texture of a detector, on one upright line.
 fn detector(scores: &Scores, speed: &Speed, x: f64) -> Vec<Mark> {
     let (top, bottom) = ends(scores, speed);
     let line = Mark::line([x, top.min(bottom)], [x, bottom], NOTE).outlined(NOTE, 1.2);
@@ -101,7 +101,7 @@ fn detector(scores: &Scores, speed: &Speed, x: f64) -> Vec<Mark> {
     [line].into_iter().chain(textures).collect()
 }
 
-/// Every texture has its own shape and colour.
+/// Draws the mark of a texture, with a shape and colour by its index.
 fn mark([x, y]: [f64; 2], variant: usize) -> Mark {
     let corners: &[[f64; 2]] = match variant % 4 {
         0 => &[],
@@ -116,8 +116,7 @@ fn mark([x, y]: [f64; 2], variant: usize) -> Mark {
     shape.filled(colour(variant)).outlined(WHITE, 0.8)
 }
 
-/// The detectors' names, beside the middles of their lines: where they cover neither another name nor another's line, if there is
-/// such a place.
+/// Draws the detectors' names beside the middles of their lines: where they cover neither another name nor another's line, if there is such a place.
 fn names<'a>(scores: &'a Scores, timed: &[&'a Speed], x: impl Fn(f64) -> f64) -> Vec<Mark> {
     let line = |speed: &&'a Speed| {
         let (top, bottom) = ends(scores, speed);
@@ -152,8 +151,8 @@ struct Label {
     area: BoxPx,
 }
 
-/// A label beside an error bar that overlaps no other bar or label: rather right than left of it, and shifted up or down as little as possible;
-/// unshifted on the right where no place is free.
+/// Returns a label beside an error bar that overlaps no other bar or label: rather right than left of it, and shifted up or down as little as
+/// possible; unshifted on the right where no place is free.
 fn free_label(line: &ErrorBar, lines: &[ErrorBar], taken: &[BoxPx]) -> Label {
     let middle = 0.5 * (line.top + line.bottom);
     let moves = [0.0, 13.0, -13.0, 26.0, -26.0].into_iter();
@@ -166,7 +165,7 @@ fn free_label(line: &ErrorBar, lines: &[ErrorBar], taken: &[BoxPx]) -> Label {
 }
 
 fn label_at(line: &ErrorBar, middle: f64, is_right: bool) -> Label {
-    // About what a letter of 11 px takes.
+    // Approximate width of letters of 11 px.
     let width = 6.2 * line.title.chars().count() as f64;
     let x = line.x + if is_right { 8.0 } else { -8.0 };
     let (anchor, left) = if is_right { (Start, x) } else { (End, x - width) };

@@ -7,7 +7,7 @@ use crate::report::number;
 use crate::score::{Compared, ScoredPhoto, Scores, paired_photos};
 use scaleproof_plot::distinct;
 
-/// More textures would push the chart off the first screen.
+/// Largest number of textures: more would push the chart off the first screen.
 const MOST_TEXTURES: usize = 2;
 
 /// Photos of one view: of the base, of the texture.
@@ -16,12 +16,12 @@ type Pair<'a> = (&'a ScoredPhoto, &'a ScoredPhoto);
 /// The views of a texture that are shown, as one detector sees them.
 struct Strip<'a> {
     texture: &'a str,
-    /// The detector's place among those of the run.
+    /// Index of the detector in the run.
     detector: usize,
     views: Vec<(&'static str, Pair<'a>)>,
 }
 
-/// A row for each texture, of those that weaken a detector most.
+/// Renders a row for each of the textures that weaken a detector most.
 pub(super) fn rows(scores: &Scores, results: &[Compared], base: &str) -> Markup {
     let strips = strips(scores, results, base);
     html! {
@@ -51,7 +51,7 @@ fn view(scores: &Scores, strip: &Strip, name: &str, (base, other): Pair) -> Mark
     }
 }
 
-/// The photos that the strips show.
+/// Returns the photos that the strips show.
 pub(super) fn photos<'a>(scores: &'a Scores, results: &'a [Compared], base: &str) -> Vec<&'a ScoredPhoto> {
     let strips = strips(scores, results, base);
     let views = strips.iter().flat_map(|strip| &strip.views);
@@ -64,7 +64,7 @@ fn strips<'a>(scores: &'a Scores, results: &'a [Compared], base: &str) -> Vec<St
         .into_iter()
         .filter_map(|texture| strip(scores, results, base, texture))
         .collect();
-    // The largest drops; then in the order of the textures again.
+    // Keeps the largest drops, in the order of the textures.
     let mut drops: Vec<f64> = strips.iter().map(|(drop, _)| *drop).collect();
     drops.sort_by(|a, b| b.total_cmp(a));
     let least = drops.get(MOST_TEXTURES - 1).copied().unwrap_or(f64::NEG_INFINITY);
@@ -72,7 +72,8 @@ fn strips<'a>(scores: &'a Scores, results: &'a [Compared], base: &str) -> Vec<St
     strips.into_iter().map(|(_, strip)| strip).take(MOST_TEXTURES).collect()
 }
 
-/// The views of a texture through the detector whose confidence falls most, shown effects first; none where the run kept no previews.
+/// Returns the drop and the views of a texture for the detector whose confidence falls most, shown effects first; `None` where the run kept no
+/// previews.
 fn strip<'a>(scores: &'a Scores, results: &'a [Compared], base: &str, texture: &'a str) -> Option<(f64, Strip<'a>)> {
     let own = results.iter().filter(|r| r.variant == texture);
     let most = own.max_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap_or(std::cmp::Ordering::Equal))?;

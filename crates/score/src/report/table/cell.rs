@@ -1,10 +1,10 @@
-//! What stands in a cell.
+//! Content of a cell.
 
 use crate::report::paired::ends;
 use scaleproof_core::spelling::digits;
 use scaleproof_core::statistics::Interval;
 
-/// A value with what is known of it.
+/// A value with its interval, its remark and its style.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Cell {
     pub value: Value,
@@ -12,17 +12,17 @@ pub struct Cell {
     pub interval: Option<Interval>,
     /// A word beside the value.
     pub remark: Option<String>,
-    /// True where a change is shown.
+    /// True if a change is shown.
     pub is_strong: bool,
-    /// From 0 to 1: how dark the cell is on a page.
+    /// Darkness of the cell on a page, from 0 to 1.
     pub shade: Option<f64>,
-    /// True where the row above says the same.
+    /// True if the row above has the same text.
     pub(super) is_repeated: bool,
 }
 
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Value {
-    /// Nothing is known or asked.
+    /// No value: nothing is known.
     #[default]
     None,
     Text(String),
@@ -31,18 +31,18 @@ pub enum Value {
         value: f64,
         digits: usize,
     },
-    /// So many of so many.
+    /// A count out of a total.
     Share {
         count: usize,
         of: usize,
     },
-    /// A number of the base and what it became.
+    /// A number of the base and that of the variant.
     Change {
         from: f64,
         to: f64,
         digits: usize,
     },
-    /// A share of the base and what it became, of as many on both sides.
+    /// A count of the base and that of the variant, out of the same total.
     ShareChange {
         from: usize,
         to: usize,
@@ -63,7 +63,7 @@ impl Cell {
         Cell::of(Value::Number { value, digits })
     }
 
-    /// A number, or nothing.
+    /// Makes a cell of a number, or an empty one.
     pub fn maybe(value: Option<f64>, digits: usize) -> Cell {
         value.map_or_else(Cell::default, |value| Cell::number(value, digits))
     }
@@ -100,7 +100,7 @@ impl Cell {
         Cell { shade, ..self }
     }
 
-    /// The value in words, its numbers by `number` (value, digits behind the point).
+    /// Returns the value in words, its numbers written by `number` (value, digits behind the point).
     pub(super) fn words(&self, number: impl Fn(f64, usize) -> String) -> String {
         match &self.value {
             Value::None => "–".to_owned(),
@@ -113,7 +113,7 @@ impl Cell {
         }
     }
 
-    /// `[0.38, 1.00]`, its numbers by `number`.
+    /// Returns the interval as `[0.38, 1.00]`, its numbers written by `number`.
     pub(super) fn interval_words(&self, number: impl Fn(f64, usize) -> String) -> Option<String> {
         let behind = match &self.value {
             Value::Number { digits, .. } | Value::Change { digits, .. } => *digits,
@@ -122,7 +122,7 @@ impl Cell {
         Some(ends(self.interval?, |end| number(end, behind)))
     }
 
-    /// The value, its interval and its remark in one line of plain text; a number that is shown to change has a star.
+    /// Returns the value, its interval and its remark in one line of plain text; a number that is shown to change has a star.
     pub(super) fn line(&self) -> String {
         if self.is_repeated {
             return String::new();

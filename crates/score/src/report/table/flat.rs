@@ -5,16 +5,16 @@ use serde_json::{Map, Value as Json, json};
 use super::{Cell, Table, Value};
 use crate::report::{ReportError, csv_of};
 
-/// What a column's key is followed by where its cells hold more than one number.
+/// Endings of a column's key where its cells hold more than one number.
 const ENDINGS: [&str; 6] = ["", "_from", "_to", "_of", "_low", "_high"];
 
 impl Table {
-    /// A line for each row below the columns' keys; a cell of two numbers takes two columns, an interval two more.
+    /// Returns a header of the columns' keys and a line for each row; a cell of two numbers takes two columns, an interval two more.
     pub fn csv(&self) -> Result<String, ReportError> {
         csv_of(self.records())
     }
 
-    /// An object for each row, with the columns of [`Table::csv`].
+    /// Returns an object for each row, with the columns of [`Table::csv`].
     pub fn json(&self) -> Json {
         let objects = self
             .records()
@@ -37,7 +37,7 @@ impl Table {
         self.rows().map(record).collect()
     }
 
-    /// The endings that a cell of the column has something for; the first alone where no cell has anything.
+    /// Returns the endings that some cell of the column has a value for; the first alone where no cell has any.
     fn endings(&self, column: usize) -> Vec<&'static str> {
         let has = |ending: &&&str| self.rows().any(|row| !row[column].number_of(ending).is_null());
         let found: Vec<&str> = ENDINGS.iter().filter(has).copied().collect();

@@ -1,4 +1,4 @@
-//! A table on a page.
+//! A table as HTML.
 
 use maud::{Markup, html};
 
@@ -6,11 +6,11 @@ use super::{Cell, Side, Table, Value};
 use crate::report::number;
 use crate::report::shade::{ink, shade};
 
-/// A remark of more letters stands below its value.
+/// Number of letters above which a remark stands below its value.
 const LONG: usize = 12;
 
 impl Table {
-    /// The table, which scrolls sideways where it is wider than the page, and its notes.
+    /// Renders the table, which scrolls sideways where it is wider than the page, and its notes.
     pub(in crate::report) fn markup(&self) -> Markup {
         html! {
             div.scroll {

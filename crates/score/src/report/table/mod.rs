@@ -11,28 +11,28 @@ pub use cell::{Cell, Value};
 /// Rows of typed cells below named columns.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
-    /// What the table shows.
+    /// Caption.
     pub caption: String,
     pub columns: Vec<Column>,
     /// Rows that belong together; a line separates two blocks. Each row has a cell for each column.
     pub blocks: Vec<Vec<Vec<Cell>>>,
-    /// What a reader must know of the cells.
+    /// Notes on the cells.
     pub notes: Vec<String>,
 }
 
 /// A column of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
-    /// What stands above it for people.
+    /// Heading for people.
     pub title: String,
-    /// Its name for programs: `hit_rate`.
+    /// Name for programs: `hit_rate`.
     pub key: String,
-    /// What its numbers are counted in, where they have a unit: `95 %` of an interval, `mm`.
+    /// Unit of its numbers, where they have one: `95 %` of an interval, `mm`.
     pub unit: Option<&'static str>,
     pub side: Side,
 }
 
-/// Where the cells of a column begin or end.
+/// Alignment of the cells of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
     Left,
@@ -40,7 +40,7 @@ pub enum Side {
 }
 
 impl Column {
-    /// A column of words, at the left.
+    /// Makes a column of words, aligned left.
     pub fn words(title: &str) -> Column {
         Column {
             title: title.to_owned(),
@@ -50,7 +50,7 @@ impl Column {
         }
     }
 
-    /// A column of numbers, at the right.
+    /// Makes a column of numbers, aligned right.
     pub fn numbers(title: &str) -> Column {
         Column {
             side: Side::Right,
@@ -68,7 +68,7 @@ impl Column {
         Column { unit, ..self }
     }
 
-    /// The title with its unit: `drop [95 %]`.
+    /// Returns the title with its unit: `drop [95 %]`.
     fn heading(&self) -> String {
         match self.unit {
             None => self.title.clone(),
@@ -77,7 +77,7 @@ impl Column {
     }
 }
 
-/// `mean confidence` as `mean_confidence`.
+/// Returns the key of a title: `mean_confidence` for `mean confidence`.
 fn key_of(title: &str) -> String {
     let letters = title.to_lowercase();
     let words = letters

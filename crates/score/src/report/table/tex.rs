@@ -4,7 +4,7 @@ use super::{Cell, Side, Table, Value};
 use crate::report::tex::{escaped, number, row, tabular};
 
 impl Table {
-    /// The `tabular` alone, without caption and notes.
+    /// Returns the `tabular` alone, without caption and notes.
     pub fn tex(&self) -> String {
         let columns: String = (0..self.columns.len()).map(|column| self.letter(column)).collect();
         let head = row(self
@@ -16,7 +16,7 @@ impl Table {
         tabular(&columns, std::iter::once(vec![head]).chain(blocks))
     }
 
-    /// Numbers with an interval begin at the left, so that their points stand below each other.
+    /// Returns the alignment of a column: numbers with an interval begin at the left, so that their points stand below each other.
     fn letter(&self, column: usize) -> char {
         let mut cells = self.rows().filter_map(|row| row.get(column));
         match self.columns[column].side {
@@ -26,14 +26,14 @@ impl Table {
     }
 }
 
-/// `Drop, 95\,\%`.
+/// Returns a heading with its unit: `Drop, 95\,\%`.
 fn tex_heading(title: &str, unit: Option<&str>) -> String {
     let unit = unit.map(|unit| format!(", {}", escaped(unit).replace(' ', "\\,")));
     escaped(title) + &unit.unwrap_or_default()
 }
 
 impl Cell {
-    /// The cell as TeX prints it: bold where a change is shown; with a remark, a double dagger.
+    /// Returns the cell in TeX: bold where a change is shown; with a remark, a double dagger.
     pub fn tex(&self) -> String {
         if self.is_repeated || self.value == Value::None {
             return String::new();

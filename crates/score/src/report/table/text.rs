@@ -2,10 +2,10 @@
 
 use super::{Cell, Side, Table, Value};
 
-/// Columns that a screen always has.
+/// Number of columns that a screen always has.
 const FEWEST: usize = 4;
 
-/// Letters of a name on a screen.
+/// Number of letters of a name on a screen.
 const NAME: usize = 22;
 
 impl Cell {
@@ -25,7 +25,7 @@ impl Cell {
 }
 
 impl Table {
-    /// The headings, then a line for each row, its columns two spaces apart.
+    /// Returns the headings, then a line for each row, its columns two spaces apart.
     pub fn lines(&self) -> Vec<String> {
         let head = self.columns.iter().map(|column| column.heading()).collect();
         let rows = self.rows().map(|row| row.iter().map(Cell::line).collect());
@@ -45,14 +45,14 @@ impl Table {
         rows.iter().map(line).collect()
     }
 
-    /// The caption, the lines however wide, and the notes.
+    /// Returns the caption, the lines however wide, and the notes.
     pub fn described(&self) -> Vec<String> {
         let lines = std::iter::once(self.caption.clone()).chain(self.lines());
         lines.chain(self.notes.iter().cloned()).collect()
     }
 
-    /// The lines of a screen so many letters wide: long names in the first two columns are shortened in their middle, and the last columns are left out where they have no
-    /// room, but never the first four.
+    /// Returns lines of at most `letters` letters: long names in the first two columns are shortened in their middle, and the last columns are left
+    /// out where they have no room, but never the first four.
     pub fn lines_within(&self, letters: usize) -> Vec<String> {
         let mut narrow = self.clone();
         for row in narrow.blocks.iter_mut().flatten() {
@@ -71,7 +71,7 @@ impl Table {
         }
     }
 
-    /// Numbers alone end at the right; beside intervals they begin at the left.
+    /// Returns true if a column is aligned right: numbers alone are; beside intervals or remarks they begin at the left.
     fn is_at_the_right(&self, column: usize) -> bool {
         let has_more = |cell: &Cell| cell.interval.is_some() || cell.remark.is_some();
         let cells = self.rows().filter_map(|row| row.get(column));

@@ -1,9 +1,9 @@
-//! The drop of the hit rate in each direction.
+//! Table of the drop of the hit rate in each direction.
 
 use crate::report::{Cell, Column, Table};
 use crate::score::{Compared, Scores};
 
-/// A row for each detector and texture, a column for each azimuth.
+/// Returns a row for each detector and texture, a column for each azimuth.
 pub(in crate::report) fn by_azimuth(scores: &Scores, results: &[Compared]) -> Table {
     let azimuths = scores.sessions[0].scene.bins.azimuth_centres();
     let names = [

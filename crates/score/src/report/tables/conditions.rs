@@ -1,11 +1,11 @@
-//! Figures by a condition that photos were grouped by.
+//! Tables of figures by a condition that photos were grouped by.
 
 use crate::report::{Cell, Column, Table};
 use crate::score::{ConditionFigures, Scores};
 use scaleproof_core::spelling::digits;
 use scaleproof_plot::distinct;
 
-/// A table for each condition; none where none was asked for. Values and textures down, detectors across.
+/// Returns a table for each condition that photos were grouped by: values and textures down, detectors across.
 pub(in crate::report) fn conditions(scores: &Scores) -> Vec<Table> {
     let all = scores.summaries.iter().flat_map(|s| &s.conditions);
     let names = distinct(all.map(|c| c.condition.as_str()));
@@ -38,10 +38,10 @@ fn condition(scores: &Scores, name: &str) -> Table {
     table
 }
 
-/// Hits of photos, AP@0.5 and the attack success rate of the hit rate.
+/// Returns the hits of photos, AP@0.5 and the attack success rate of the hit rate.
 fn cell(c: &ConditionFigures) -> Cell {
     let f = &c.figures;
-    // One photo has no ranking.
+    // A single photo has no ranking, and so no AP.
     let ap50 = (f.photos > 1).then(|| format!("AP {}", digits(f.ap50, 2)));
     let asr = c
         .asr

@@ -1,11 +1,11 @@
-//! What is left of the differences on defended photos, and what each defence changes.
+//! Tables of differences between variants on defended photos, and of the changes by each defence.
 
 use crate::report::{Cell, Column, Table};
 use crate::score::{Defences, DefendedRow, Held, UNDEFENDED};
 use scaleproof_core::statistics::Interval;
 use scaleproof_plot::distinct;
 
-/// Two tables, each with a row for each detector and comparison and a column for each defence.
+/// Returns two tables, each with a row for each detector and comparison and a column for each defence.
 pub(in crate::report) fn defended(defences: &Defences) -> [Table; 2] {
     let names = || defences.defences.iter().map(|defence| defence.name.as_str());
     let with_none: Vec<&str> = std::iter::once(UNDEFENDED).chain(names()).collect();
@@ -39,7 +39,7 @@ fn matrix(caption: &str, rows: &[DefendedRow], defences: &[&str], cell: fn(&Held
     table
 }
 
-/// As in `0.87 → 0.16 [0.45, 0.93]`; `sign`: 1 for a drop, −1 for what is added.
+/// Returns a cell as in `0.87 → 0.16 [0.45, 0.93]`; `sign`: 1 for a drop, −1 for what is added.
 fn cell(held: &Held, sign: f64) -> Cell {
     let interval = held.ap50.interval_95.map(|i| {
         let (a, b) = (sign * i.low, sign * i.high);

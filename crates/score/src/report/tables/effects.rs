@@ -1,10 +1,10 @@
-//! What each texture does to each detector: the table that a comparison is about.
+//! Table of the effect of each texture on each detector, the main one of a comparison.
 
 use crate::report::{Cell, CellValue, Column, Table, paired};
 use crate::score::{Compared, Effect, MOST_HIT, Scores, Summary, paired_control};
 use scaleproof_core::spelling::{self, digits};
 
-/// A row for each detector and texture: the effect, the mean confidence and hits of the base and of the texture.
+/// Returns a row for each detector and texture: the effect, the mean confidence and hits of the base and of the texture.
 pub(in crate::report) fn effects(scores: &Scores, results: &[Compared], base: &str) -> Table {
     let mut table = Table::new(
         &format!("Textures against {}", paired::named_base(base)),
@@ -52,7 +52,8 @@ fn row(scores: &Scores, r: &Compared) -> Vec<Cell> {
     ]
 }
 
-/// What stands in brackets behind an effect: where nothing is shown, the drop that would have been, or why none can be; what is withheld.
+/// Returns the remark in brackets behind an effect: where nothing is shown, the drop that would have been, or the views missing; an effect that is
+/// withheld.
 fn remark(r: &Compared) -> Option<String> {
     let finding = r.finding?;
     match finding.views_missing {
@@ -64,7 +65,7 @@ fn remark(r: &Compared) -> Option<String> {
     }
 }
 
-/// What the brackets mean, where there are some.
+/// Returns the explanation of drops in brackets, where there are some.
 fn open(results: &[Compared]) -> Option<String> {
     let has_drop = |r: &Compared| r.finding.is_some_and(|finding| finding.drop_shown_from.is_some());
     results
@@ -73,7 +74,7 @@ fn open(results: &[Compared]) -> Option<String> {
         .then(|| "(0.00): so large a drop of the confidence would have been shown, with a chance of 0.8".to_owned())
 }
 
-/// Why a texture does not hide the model, though few hits are left.
+/// Returns the reason why a texture does not hide the model, though few hits are left.
 fn unsaid(results: &[Compared]) -> Option<String> {
     let few_left = |r: &Compared| r.effect() == Effect::Weakens && r.hit_rate.rate.other <= MOST_HIT;
     let is_unsaid = |r: &Compared| few_left(r) && r.hit_rate.rate.drop > 0.0 && !paired::is_hit_rate_shown(r);
@@ -81,7 +82,7 @@ fn unsaid(results: &[Compared]) -> Option<String> {
     results.iter().any(is_unsaid).then(|| note.to_owned())
 }
 
-/// Why effects are withheld, where some are.
+/// Returns the reasons why effects are withheld, where some are.
 fn withheld(results: &[Compared]) -> Vec<String> {
     let findings = || results.iter().filter_map(|r| r.finding);
     let copies = findings().any(|finding| finding.withheld_for_copies);
@@ -100,7 +101,7 @@ fn withheld(results: &[Compared]) -> Vec<String> {
         .collect()
 }
 
-/// Textures of a detector that share no place and bin with the base, behind the base itself.
+/// Returns the textures of a detector that share no place and bin with the base, each after the base itself.
 fn unpaired<'a>(
     scores: &'a Scores,
     detector: &'a str,
@@ -117,7 +118,7 @@ fn unpaired<'a>(
         .filter_map(move |s| Some((base?, s)))
 }
 
-/// Figures over all photos, as no photos pair.
+/// Returns figures over all photos, as no photos pair.
 fn unpaired_row(scores: &Scores, base: &Summary, s: &Summary) -> Vec<Cell> {
     let (a, b) = (&base.overall, &s.overall);
     vec![

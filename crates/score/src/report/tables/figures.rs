@@ -1,11 +1,11 @@
-//! The figures of every detector and texture, each beside how many photos it rests on, in the layout of the field's papers.
+//! Tables of the figures of every detector and texture, in the layout of the field's papers.
 
 use super::by_detector;
 use crate::report::{Cell, Column, Table, paired};
 use crate::score::{Compared, Difference, Drop, Scores, Summary};
 use scaleproof_core::statistics::Interval;
 
-/// AP, hit rate and confidence with their drops from the base.
+/// Returns AP, hit rate and confidence with their drops from the base.
 pub(in crate::report) fn figures(scores: &Scores) -> Table {
     let drop = |key: &str| Column::numbers("drop").called(key).in_unit("95 %");
     let mut table = Table::new(
@@ -52,7 +52,7 @@ fn cells(scores: &Scores, s: &Summary) -> Vec<Cell> {
     ]
 }
 
-/// The drop on paired photos with its interval, or over all photos where none pair.
+/// Returns the drop on paired photos with its interval, or over all photos where none pair.
 fn drop(
     scores: &Scores,
     s: &Summary,
@@ -69,7 +69,7 @@ fn drop(
     }
 }
 
-/// What a screen has room for where nothing is compared.
+/// Returns the figures that a screen has room for where nothing is compared.
 pub(in crate::report) fn figures_of_screen(scores: &Scores) -> Table {
     let mut table = Table::new(
         "Hits, confidence and AP@0.5",

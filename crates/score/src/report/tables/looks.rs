@@ -1,11 +1,11 @@
-//! A comparison look by look.
+//! Table of a sequential comparison.
 
 use crate::report::paired::briefly;
 use crate::report::sequential::{figures, found, p_of, repeats, rounds, unit};
 use crate::report::{Cell, Column, Table};
 use crate::score::{Course, Decision, Scores, Sequential};
 
-/// Two rows for each detector and texture: what the confidence and what the hits have shown so far, and after which look.
+/// Returns two rows for each detector and texture: the findings on the confidence and on the hits so far, and the look after which they were shown.
 pub(in crate::report) fn looks(scores: &Scores, sequential: &Sequential) -> Table {
     let unit = unit(sequential);
     let caption =

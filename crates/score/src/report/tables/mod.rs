@@ -1,4 +1,4 @@
-//! What the reports tabulate: one file for each table.
+//! Tables of the reports, one file each.
 
 mod azimuth;
 mod conditions;
@@ -33,7 +33,7 @@ pub(super) use transfer::transferred;
 use super::{Cell, Table};
 use crate::score::{Scores, Summary};
 
-/// The tables that a run has only when they were asked for.
+/// Returns the tables that a run has only on request.
 pub(super) fn asked_for(scores: &Scores) -> Vec<Table> {
     let mut tables = conditions(scores);
     tables.extend(protocol(scores));
@@ -43,7 +43,7 @@ pub(super) fn asked_for(scores: &Scores) -> Vec<Table> {
     tables
 }
 
-/// A block of rows for each detector, a row for each of its variants, with these cells behind the two names.
+/// Returns a block of rows for each detector, a row for each of its variants, with these cells behind the two names.
 fn by_detector<'a>(
     scores: &'a Scores,
     cells: impl Fn(&'a Summary) -> Vec<Cell> + 'a,

@@ -1,10 +1,10 @@
-//! The order of the textures here against that in other sessions.
+//! Table of the order of the textures here against that in other sessions.
 
 use crate::report::{Cell, Column, Table};
 use crate::score::{Ranking, RankingFinding, RankingRow, Scores};
 use scaleproof_core::spelling::digits;
 
-/// A row for each detector, and for each value of a condition that photos were grouped by.
+/// Returns a row for each detector, and for each value of a condition that photos were grouped by.
 pub(in crate::report) fn order(scores: &Scores, ranking: &Ranking) -> Table {
     let mut table = Table::new(
         &format!("Order of the textures by AP@0.5, against {}", ranking.others.join(", ")),

@@ -1,10 +1,10 @@
-//! What became of the model in each photo.
+//! Table of hits and misses.
 
 use super::by_detector;
 use crate::report::{Cell, Column, Table};
 use crate::score::{Scores, Summary};
 
-/// Hits, photos with another class alone, photos with nothing on the model, and hallucinations.
+/// Returns hits, photos with another class alone, photos with nothing on the model, and hallucinations.
 pub(in crate::report) fn outcomes(scores: &Scores) -> Table {
     let mut table = Table::new(
         "Hits and misses",

@@ -1,10 +1,10 @@
-//! The figures that papers compare beside AP@0.5.
+//! Table of the figures that papers compare beside AP@0.5.
 
 use super::by_detector;
 use crate::report::{Cell, Column, Table, certainty, paired};
 use crate::score::{Compared, Difference, Scores, Summary};
 
-/// AP@[.5:.95], recalls, false positives and attack success rates.
+/// Returns AP@[.5:.95], recalls, false positives and attack success rates.
 pub(in crate::report) fn papers(scores: &Scores) -> Table {
     let mut table = Table::new(
         "Figures that papers compare",
@@ -45,7 +45,7 @@ fn cells(scores: &Scores, s: &Summary) -> Vec<Cell> {
     cells
 }
 
-/// The attack success rate with its interval, or why it has none.
+/// Returns the attack success rate with its interval, or the reason why it has none.
 fn asr(r: &Compared, d: &Difference) -> Cell {
     let why = (d.asr.is_some() && d.asr_interval_95.is_none()).then(|| certainty::without_interval(r, d));
     Cell::maybe(d.asr, 2).with_interval(d.asr_interval_95).with_remark(why)

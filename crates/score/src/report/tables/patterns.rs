@@ -5,8 +5,8 @@ use crate::report::{Cell, Column, Table, paired};
 use crate::score::{BASE_VARIANT, Compared, EvaluatedDetector};
 use scaleproof_core::spelling;
 
-/// Table 1, AP@0.5 and mean confidence of the detectors that the patterns were made against, and table 2, AP@0.5 of the others, where there are any; each in
-/// several tables where it has more than so many columns `across`.
+/// Returns table 1, AP@0.5 and mean confidence of the detectors that the patterns were made against, and table 2, AP@0.5 of the others, where there
+/// are any; each in several tables where it has more than `across` columns.
 pub(in crate::report) fn by_pattern(evaluation: &Evaluation, across: usize) -> Vec<Table> {
     let photos = evaluation.scores.photos.len() / evaluation.patterns.len().max(1);
     let ap = evaluation.scores.criteria.ap.name();
@@ -23,7 +23,7 @@ pub(in crate::report) fn by_pattern(evaluation: &Evaluation, across: usize) -> V
     targets.chain(others).collect()
 }
 
-/// A row for each pattern, a column or two for each detector.
+/// Returns a row for each pattern, a column or two for each detector.
 fn pattern_table(
     evaluation: &Evaluation,
     caption: &str,
@@ -52,7 +52,8 @@ fn pattern_table(
     table
 }
 
-/// AP@0.5 of each pattern against the plain model, with what is shown of the mean confidence; then of patterns against each other, by intervals alone.
+/// Returns the differences of AP@0.5: of each pattern from the plain model, with the effect on the mean confidence; then of patterns from each other,
+/// by intervals alone.
 pub(in crate::report) fn differences(evaluation: &Evaluation) -> Table {
     let mut table = Table::new(
         "Difference of AP@0.5, paired; against the plain model also what is shown of the mean confidence",

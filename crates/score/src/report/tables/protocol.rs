@@ -1,9 +1,9 @@
-//! The table that a protocol's paper prints.
+//! Table that a protocol's paper prints.
 
 use crate::report::{Cell, Column, Table};
 use crate::score::{ProtocolTable, Scores, protocol_table};
 
-/// The table of the run's protocol; none when it follows none.
+/// Returns the table of the run's protocol; `None` when it follows none.
 pub(in crate::report) fn protocol(scores: &Scores) -> Option<Table> {
     let ProtocolTable {
         name,
@@ -22,7 +22,7 @@ pub(in crate::report) fn protocol(scores: &Scores) -> Option<Table> {
     Some(table)
 }
 
-/// `photos: 8 normal, 8 random`: what the figures rest on, which not every paper's table has a column for.
+/// Returns the numbers of photos, `photos: 8 normal, 8 random`, for which not every paper's table has a column.
 fn photos(scores: &Scores) -> String {
     let first = scores.summaries.chunk_by(|a, b| a.detector == b.detector).next();
     let counts = first.unwrap_or_default().iter();

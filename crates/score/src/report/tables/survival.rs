@@ -1,10 +1,10 @@
-//! How far each drop goes on photos made worse.
+//! Table of the severities up to which each drop holds on corrupted photos.
 
 use crate::report::{Cell, Column, Table};
 use crate::score::{BASE_LOST, Robustness, SEVERITIES, Survival};
 use scaleproof_plot::distinct;
 
-/// A row for each detector and comparison, a column for each corruption: the severities at which the drop of AP@0.5 lies above 0.
+/// Returns a row for each detector and comparison, a column for each corruption: the severities at which the drop of AP@0.5 lies above 0.
 pub(in crate::report) fn survival(robustness: &Robustness) -> Table {
     let corruptions = robustness.corruptions();
     let names = ["detector", "texture", "from"].map(Column::words);
@@ -31,7 +31,7 @@ pub(in crate::report) fn survival(robustness: &Robustness) -> Table {
     table
 }
 
-/// As in `0–2, lost 4–5`.
+/// Returns a cell as in `0–2, lost 4–5`.
 fn cell(survival: &Survival) -> Cell {
     let shown = match (&survival.above_zero_at[..], survival.without_interval_at.len()) {
         ([], too_few) if too_few > usize::from(SEVERITIES) => "?".to_owned(),
@@ -44,7 +44,7 @@ fn cell(survival: &Survival) -> Cell {
     })
 }
 
-/// Ascending numbers, as in `0–2, 4`.
+/// Writes ascending numbers as in `0–2, 4`.
 fn ranges(numbers: &[u8]) -> String {
     let runs = numbers.chunk_by(|a, b| a + 1 == *b);
     let text = runs.map(|run| match run {

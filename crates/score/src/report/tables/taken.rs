@@ -1,4 +1,4 @@
-//! As what each detector took the model.
+//! Table of the labels that each detector gave the model.
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
@@ -6,11 +6,11 @@ use std::collections::BTreeMap;
 use crate::report::{Cell, Column, Table, counted, other_label};
 use crate::score::{ScoredPhoto, Scores};
 
-/// No label at all.
+/// Name for no label at all.
 const NOTHING: &str = "nothing";
 
-/// Photos by the label of the most confident detection on the model, which the matching one is for a hit: what the model is first, nothing last, and between them what it was
-/// most often taken for.
+/// Counts photos by the label of the most confident detection on the model, for a hit of the matching one: labels that count as the model first, then
+/// the others by how often they occur, nothing last.
 pub(in crate::report) fn taken(scores: &Scores) -> Table {
     let mut counts: BTreeMap<(usize, &str), BTreeMap<String, usize>> = BTreeMap::new();
     for p in &scores.photos {

@@ -1,10 +1,11 @@
-//! How far the effect of each texture carries over to other detectors.
+//! Tables of the transfer of each texture's effect to other detectors.
 
 use crate::report::{Cell, Column, Table, paired};
 use crate::score::{Scores, TransferDrop, transfer};
 use scaleproof_core::spelling::digits;
 
-/// Pattern × detector: the drop of AP@0.5, darker the larger it is, and that of the hit rate; a table for each so many detectors. None without a base to drop from.
+/// Returns pattern × detector: the drop of AP@0.5, darker the larger it is, and that of the hit rate; a table for every `across` detectors. None
+/// without a base to drop from.
 pub(in crate::report) fn transferred(scores: &Scores, across: usize) -> Vec<Table> {
     let rows = transfer(&scores.summaries);
     if rows.is_empty() {

@@ -1,15 +1,16 @@
-//! A second plain round, the control: what moves a detector between two plain rounds is no texture's doing.
+//! Control, a second round of the base: effects no larger than the difference between the two rounds are withheld.
 
 use super::finding::{Effect, Finding};
 use super::result::{Compared, Control, Difference};
 use super::{CompareError, Scores, pairs};
 use scaleproof_core::spelling;
 
-/// Means that differ by less are as large.
+/// Difference below which two drops count as equal.
 const TIED: f64 = 1e-9;
 
 impl Scores {
-    /// Makes a variant the control: a second plain round, which is no texture, and holds back what it moves by as much. To be called after [`Scores::against`].
+    /// Makes a variant the control: a second round of the base, which is no texture; effects no larger than its own are withheld. To be called after
+    /// [`Scores::against`].
     ///
     /// # Errors
     /// It is the base or no variant; none of its photos pairs with one of the base; there is no texture beside it.
@@ -27,7 +28,7 @@ impl Scores {
     }
 }
 
-/// Finds out whether one of these variants can be the control of some texture against a base.
+/// Checks that one of these variants can be the control of some texture against a base.
 pub fn check_control(variants: &[&str], base: &str, control: &str) -> Result<(), CompareError> {
     let others: Vec<&str> = variants.iter().copied().filter(|v| *v != base).collect();
     let hint = || spelling::hint(control, others.iter().copied());
@@ -49,7 +50,7 @@ pub fn check_control(variants: &[&str], base: &str, control: &str) -> Result<(),
     }
 }
 
-/// Holds back what the control moves by as much.
+/// Withholds effects that are no larger than those of the control.
 pub(super) fn hold_back(results: &mut [Compared], control: &Control) {
     for compared in results {
         let own = control.results.iter().find(|own| own.detector == compared.detector);
@@ -63,7 +64,8 @@ pub(super) fn hold_back(results: &mut [Compared], control: &Control) {
     }
 }
 
-/// What is left of an effect: nothing where the mean confidence differs by no more than between the plain rounds, in size; no *hides* where the hit rate does.
+/// Returns what remains of an effect: nothing where the mean confidence differs by no more than between the rounds of the base, in size; no *hides*
+/// where the hit rate does.
 fn left(effect: Effect, compared: &Compared, control: &Compared) -> Effect {
     let is_no_larger = |of: fn(&Compared) -> &Difference| of(compared).drop.abs() <= of(control).drop.abs() + TIED;
     if effect.is_shown() && is_no_larger(|r| &r.mean_confidence) {

@@ -1,4 +1,4 @@
-//! What is shown of many detectors and textures at once.
+//! Findings on many detectors and textures, tested together.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,25 +8,25 @@ use super::finding::{Effect, Finding, InPlacesLikeThese};
 use super::result::{Compared, Comparison, PairedView, Sums};
 use scaleproof_core::statistics::{shares, sign_flip_p, smallest_sign_flip_p};
 
-/// The rate of wrong findings that is promised, for the confidence and again for the hit rate.
+/// Rate of wrong findings that is promised, for the confidence and again for the hit rate.
 pub(in crate::score) const LEVEL: f64 = 0.05;
 
-/// A base of which a detector has a smaller mean confidence is not seen by it.
+/// Mean confidence of the base below which a detector does not see it.
 pub(super) const LEAST_SEEN: f64 = 0.1;
 
-/// A texture hides the model where at most so many photos are still hits.
+/// Largest hit rate at which a texture hides the model.
 pub const MOST_HIT: f64 = 0.25;
 
 /// Differences of one figure: for each detector, one for each cluster.
 type Differences = Vec<Vec<f64>>;
 
-/// Decides what a comparison shows: its textures share the error rate, and the detectors of a texture are tested together. What the control moves by as much is
-/// held back.
+/// Decides the findings of a comparison: its textures share the error rate, the detectors of a texture are tested together, and effects no larger
+/// than those of the control are withheld.
 pub fn decide(comparison: &mut Comparison) {
     decide_among(comparison, |_| true);
 }
 
-/// As [`decide`], of the detectors that are tested: the others are in no family, and nothing is said of them.
+/// Decides as [`decide`] for the detectors that are tested: the others are in no family and get no finding.
 pub(super) fn decide_among(comparison: &mut Comparison, is_tested: impl Fn(&str) -> bool) {
     let textures = comparison.results.chunk_by_mut(|a, b| a.variant == b.variant);
     let families = textures.map(|family| family.iter_mut().filter(|r| is_tested(&r.detector)).collect());
@@ -40,9 +40,9 @@ pub(super) fn decide_among(comparison: &mut Comparison, is_tested: impl Fn(&str)
 /// Decides several families that share the error rate: each is a list of comparisons that are tested together, on the same views.
 ///
 /// For the confidence, the differences of the pairs of a view (place × bin) are summed, and the signs of the views flipped for all members together
-/// ([`sign_flip_p`]). A family of which everything is shown passes its share on ([`shares`]). The hit rate is decided in the same way with an error rate of
-/// its own. An effect that is shown for these places is asked for places like these by flipping whole places. Nothing is said of a member whose base has a
-/// smaller mean confidence than `least_seen`.
+/// ([`sign_flip_p`]). A family of which everything is shown passes its share on ([`shares`]). The hit rate is decided in the same way with an error
+/// rate of its own. An effect that is shown for these places is tested for places like these by flipping whole places. A member whose base has a
+/// smaller mean confidence than `least_seen` gets the effect `BaseUnseen`.
 pub(in crate::score) fn decide_families(mut families: Vec<Vec<&mut Compared>>, least_seen: f64) {
     let all = findings(&families, least_seen, PairedView::sums);
     let mut views = families.iter().flatten().flat_map(|compared| &compared.views);
@@ -60,7 +60,7 @@ pub(in crate::score) fn decide_families(mut families: Vec<Vec<&mut Compared>>, l
     }
 }
 
-/// What is left of a finding when photos that show the same moment again count once.
+/// Returns what remains of a finding when photos that show the same moment again count once.
 fn standing(finding: Finding, once: Finding) -> Finding {
     if finding.effect == once.effect && finding.effect.is_shown() {
         return finding;
@@ -77,7 +77,7 @@ fn standing(finding: Finding, once: Finding) -> Finding {
     }
 }
 
-/// What is shown of each member of each family by these sums of its views.
+/// Returns the finding on each member of each family by these sums of its views.
 fn findings(
     families: &[Vec<&mut Compared>],
     least_seen: f64,
@@ -100,7 +100,7 @@ fn findings(
     families.iter().enumerate().map(of_family).collect()
 }
 
-/// The largest p that count as shown, and the smallest mean confidence of a base that is seen.
+/// Largest p values that count as shown, and smallest mean confidence of a base that is seen.
 #[derive(Clone, Copy)]
 struct Levels {
     confidence: f64,
@@ -108,10 +108,10 @@ struct Levels {
     least_seen: f64,
 }
 
-/// The p of one family.
+/// p values of one family.
 struct Asked {
     confidence: Differences,
-    /// Pairs in each view.
+    /// Number of pairs in each view.
     pairs: Vec<f64>,
     places: usize,
     confidence_p: Vec<f64>,
@@ -164,7 +164,7 @@ impl Asked {
 
     fn in_places_like_these(&self, member: usize, compared: &Compared, levels: Levels) -> InPlacesLikeThese {
         let p = [self.confidence_p_of_places[member], self.hit_rate_p_of_places[member]];
-        // What is not shown of these places' hits is not shown of others'.
+        // Hits that are not shown to change in these places are not shown to change in others.
         let hit_rate_p = p[1].max(self.hit_rate_p[member]);
         InPlacesLikeThese {
             effect: effect(compared, [p[0], hit_rate_p], levels),
@@ -174,7 +174,7 @@ impl Asked {
     }
 }
 
-/// What is shown by the p of the confidence and of the hit rate.
+/// Returns the effect that is shown by the p values of the confidence and of the hit rate.
 fn effect(compared: &Compared, [confidence_p, hit_rate_p]: [f64; 2], levels: Levels) -> Effect {
     let (confidence, hits) = (&compared.mean_confidence, &compared.hit_rate.rate);
     let is_hidden = hit_rate_p <= levels.hit_rate && hits.drop > 0.0 && hits.other <= MOST_HIT;
@@ -191,7 +191,7 @@ fn effect(compared: &Compared, [confidence_p, hit_rate_p]: [f64; 2], levels: Lev
     }
 }
 
-/// A figure's differences summed over clusters of the views, which are the same for all members; where a member has no photos, nothing differs.
+/// Sums a figure's differences over clusters of the views, which are the same for all members; 0 where a member has no photos.
 fn by_cluster<K: Ord>(
     family: &[&mut Compared],
     sums: impl Fn(&PairedView) -> Option<Sums>,
@@ -219,7 +219,7 @@ fn by_cluster<K: Ord>(
     members.iter().map(of_member).collect()
 }
 
-/// How many clusters more it takes until the smallest possible p is within the level.
+/// Returns the number of further clusters from which the smallest possible p is within the level.
 pub(super) fn missing(clusters: usize, level: f64) -> usize {
     (0..)
         .take_while(|more| smallest_sign_flip_p(clusters + more) > level)

@@ -1,22 +1,22 @@
-//! How large a drop of the mean confidence would have been shown by photos like some that are there.
+//! Smallest drop of the mean confidence that photos like the given ones would have shown.
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use scaleproof_core::statistics::{EXACT_CLUSTERS, SEED, sign_flip_critical, sign_flip_p, sign_flip_statistic};
 
-/// Simulated experiments behind each drop that is tried.
+/// Number of simulated experiments behind each drop that is tried.
 const EXPERIMENTS: usize = 200;
-/// The chance with which the drop shall be shown.
+/// Probability with which the drop is to be shown.
 const POWER: f64 = 0.8;
 
-/// The smallest drop of one detector's mean confidence, in steps of 0.01, that is shown with a chance of 0.8 by as many views, whose differences scatter as
-/// these do; none where not even one of 1 is.
+/// Returns the smallest drop of one detector's mean confidence, in steps of 0.01, that is shown with a probability of 0.8 by as many views, whose
+/// differences scatter as these do; `None` where not even a drop of 1 is.
 ///
 /// `differences[k][c]` are those of detector `k`, summed over the `pairs[c]` pairs of a view. In an experiment each view's deviations from the means keep or
 /// change their sign, for all detectors together; the others keep their mean difference, and `own` gets the drop that is tried.
 pub(super) fn drop_shown_from(differences: &[Vec<f64>], pairs: &[f64], own: usize, level: f64) -> Option<f64> {
     let spread = Spread::of(differences, pairs, own);
-    // With many views the largest statistic that chance reaches hardly depends on the experiment.
+    // With many views the critical value hardly depends on the experiment.
     let critical = (pairs.len() > EXACT_CLUSTERS).then(|| sign_flip_critical(differences, level));
     let is_shown = |experiment: &Vec<Vec<f64>>| match critical {
         Some(critical) => sign_flip_statistic(&experiment[own]) >= critical,
@@ -28,17 +28,17 @@ pub(super) fn drop_shown_from(differences: &[Vec<f64>], pairs: &[f64], own: usiz
         let shown = (0..EXPERIMENTS).filter(|_| is_shown(&spread.experiment(drop, &mut rng)));
         shown.count() as f64 >= POWER * EXPERIMENTS as f64
     };
-    // The larger the drop, the surer it is shown.
+    // The larger the drop, the more probably it is shown.
     let drops: Vec<u32> = (1..=100).collect();
     let first = drops.partition_point(|percent| !shows(percent));
     drops.get(first).map(|percent| f64::from(*percent) / 100.0)
 }
 
-/// How differences scatter about their means.
+/// Scatter of differences about their means.
 struct Spread<'a> {
-    /// Of each detector.
+    /// Mean difference of a pair, by detector.
     means: Vec<f64>,
-    /// Of each detector and view.
+    /// Deviations from the mean, by detector and view.
     deviations: Vec<Vec<f64>>,
     pairs: &'a [f64],
     own: usize,

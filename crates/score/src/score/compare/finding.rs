@@ -1,8 +1,8 @@
-//! What the photos show of one detector and texture.
+//! Finding on one detector and texture.
 
 use serde::{Deserialize, Serialize};
 
-/// What a texture does to a detector, as far as the photos show it.
+/// Effect of a texture on a detector, as far as the photos show it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Effect {
@@ -24,15 +24,15 @@ impl Effect {
     }
 }
 
-/// How an effect was decided (explained in comparing.md).
+/// Finding on a detector and texture, with the figures that decided it (explained in comparing.md).
 ///
 /// The confidence is the primary endpoint: that of the strongest detection that counts as the model, 0 where there is none, paired by view. The hit rate
-/// is the second, with an error rate of its own, and is asked only where the confidence is shown to fall.
+/// is the second, with an error rate of its own, and is tested only where the confidence is shown to fall.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Finding {
-    /// What these photos show of these places.
+    /// Effect that these photos show for these places.
     pub effect: Effect,
-    /// Whether an effect was shown and is withheld, since it does not stand when photos that show the same moment again count once.
+    /// True if an effect was shown and is withheld, since it does not stand when photos that show the same moment again count once.
     pub withheld_for_copies: bool,
     /// An effect that was shown and is held back, since the control moves this detector by as much: its mean confidence, or of `hides` its hit rate, which leaves
     /// `weakens`; `null` where nothing is held back.
@@ -50,11 +50,11 @@ pub struct Finding {
     /// The smallest drop of the mean confidence that as many views, spread as these, show with a chance of 0.8; `null` where an effect is shown, where no
     /// drop from this base is, and with too few views.
     pub drop_shown_from: Option<f64>,
-    /// Whether the effect is also shown for places like these; `null` where none is shown of these places.
+    /// Finding for places like these; `null` where no effect is shown for these places.
     pub in_places_like_these: Option<InPlacesLikeThese>,
 }
 
-/// The second question: does an effect hold for places like these?
+/// Finding on whether an effect holds for places like these.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct InPlacesLikeThese {
     pub effect: Effect,

@@ -37,7 +37,7 @@ use result::{PairedView, Sums};
 use scaleproof_core::ap::ApDefinition;
 use scaleproof_core::statistics::{DRAWS, SEED, intervals_95};
 
-/// Why nothing can be compared.
+/// Reason why nothing can be compared.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CompareError {
@@ -61,7 +61,7 @@ pub enum CompareError {
     NoPair { base: String, variant: String },
 }
 
-/// Compares every variant of a run with `base`; the run's control holds back what it moves by as much, and is none of the variants.
+/// Compares every variant of a run with `base`. The run's control is none of the variants; effects no larger than its own are withheld.
 pub fn compare(scores: &Scores, base: &str, definition: ApDefinition) -> Result<Comparison, CompareError> {
     let all = variants(&scores.photos, base);
     if all.iter().all(|v| v != base) {
@@ -92,14 +92,14 @@ fn decided(scores: &Scores, base: &str, others: &[&str], definition: ApDefinitio
     Ok(comparison)
 }
 
-/// What a run says of its variants against its base, for as many as can be paired; the control stands apart.
+/// Returns the comparisons of a run's variants with its base, for as many as can be paired, without the control.
 pub fn paired(scores: &Scores) -> &[Compared] {
     compared_once(scores).map_or(&[], |comparison| &comparison.results)
 }
 
-/// What a run says of its control against its base.
+/// Returns the comparisons of a run's control with its base.
 pub fn paired_control(scores: &Scores) -> &[Compared] {
-    // Without one nothing need be compared to know it.
+    // Without a control no comparison is needed.
     let own = scores
         .control
         .as_ref()
@@ -117,7 +117,7 @@ fn compared_once(scores: &Scores) -> Option<&Comparison> {
     compared.as_ref()
 }
 
-/// Whether a variant is neither the base nor the control.
+/// Returns true if a variant is neither the base nor the control.
 fn is_texture(scores: &Scores, base: &str, variant: &str) -> bool {
     variant != base && scores.control.as_deref() != Some(variant)
 }
@@ -132,7 +132,7 @@ pub fn compare_with(
     compare_set(scores.set(), base, others, definition)
 }
 
-/// The variants but for the base and the control, of which there must be one.
+/// Returns the variants but for the base and the control, of which there must be one.
 fn others<'a>(scores: &Scores, all: &'a [String], base: &str) -> Result<Vec<&'a str>, CompareError> {
     let all = all.iter().map(String::as_str);
     let others: Vec<&str> = all.filter(|v| is_texture(scores, base, v)).collect();
@@ -140,7 +140,7 @@ fn others<'a>(scores: &Scores, all: &'a [String], base: &str) -> Result<Vec<&'a 
     (!others.is_empty()).then_some(others).ok_or_else(none)
 }
 
-/// The pairs of two variants, of which there must be one, and the photos left over.
+/// Returns the pairs of two variants, of which there must be one, and the photos left over.
 fn some_pairs<'a>(
     set: ScoredSet<'a>,
     base: &str,
@@ -154,7 +154,7 @@ fn some_pairs<'a>(
     Ok((cells, left_over))
 }
 
-/// The photos of two variants that are held against each other.
+/// Returns the pairs of photos of two variants that are compared.
 pub fn paired_photos<'a>(scores: &'a Scores, base: &str, variant: &str) -> Vec<(&'a ScoredPhoto, &'a ScoredPhoto)> {
     let (cells, _) = pair(scores.set(), base, variant);
     cells.into_iter().flat_map(|cell| cell.pairs).collect()
@@ -250,7 +250,7 @@ fn by_azimuth(cells: &[Cell], side: Side) -> Vec<BinHits> {
     groups.map(bin).collect()
 }
 
-/// Near-copies that count with the photos of some pairs.
+/// Counts the near-copies that count with the photos of some pairs.
 fn copies_in(clusters: &[Cluster]) -> usize {
     let pairs = clusters.iter().flat_map(|c| &c.pairs);
     pairs.map(|(base, other)| base.near_copies + other.near_copies).sum()
@@ -296,7 +296,7 @@ fn of_ap(clusters: &[Cluster], side: Side, definition: ApDefinition) -> Differen
     })
 }
 
-/// The rankings behind the AP of both variants, whichever clusters are drawn.
+/// Returns the rankings behind the AP of both variants, for any draw of clusters.
 fn paired_ap(clusters: &[Cluster], side: Side) -> [ClusteredAp; 2] {
     let pairs = || {
         clusters
@@ -310,7 +310,7 @@ fn paired_ap(clusters: &[Cluster], side: Side) -> [ClusteredAp; 2] {
     ]
 }
 
-/// The difference of a figure, given as (base, other) when each cluster counts so many times.
+/// Computes the difference of a figure; `figures` returns it as (base, other) for the number of times that each cluster counts.
 pub fn difference(clusters: usize, figures: impl Fn(&[u32]) -> (f64, f64)) -> Difference {
     let (base, other) = figures(&vec![1; clusters]);
     let [interval_95, asr_interval_95] = intervals_95(clusters, |drawn| {

@@ -1,4 +1,4 @@
-//! How far a drop of AP moves when it is measured in another way on the same photos.
+//! Change of a drop of AP when it is measured in another way on the same photos.
 
 use super::paired_ap;
 use super::pairs::{clustered_by, clusters, pair};
@@ -7,15 +7,16 @@ use crate::score::side::{ClusteredAp, Side};
 use scaleproof_core::ap::ApDefinition;
 use scaleproof_core::statistics::{Interval, interval_95};
 
-/// The drop of AP of one detector and variant measured in another way, minus that in the usual way.
+/// Drop of AP of one detector and variant measured in another way, minus that in the usual way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MovedDrop {
     pub by: f64,
-    /// Over resamples of the places and bins, the same for both ways.
+    /// 95 % interval over resamples of the places and bins, the same for both ways.
     pub interval_95: Option<Interval>,
 }
 
-/// Of each detector, for a variant against the base. `usual` and `other` are of the same photos and detectors, in the same order.
+/// Returns the change of the drop for each detector, for a variant against the base. `usual` and `other` are of the same photos and detectors, in the
+/// same order.
 pub fn moved_drops(
     (usual, definition): (&Scores, ApDefinition),
     (other, other_definition): (&Scores, ApDefinition),

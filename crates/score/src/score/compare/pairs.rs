@@ -1,4 +1,4 @@
-//! Which photo of one texture is held against which of the other.
+//! Pairs of photos of two textures, by place and bin.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,7 +7,7 @@ use crate::score::{NotScored, ScoredPhoto, ScoredSet};
 use scaleproof_core::statistics::FEWEST_CLUSTERS;
 use scaleproof_pose::scene::Bin;
 
-/// (base, other).
+/// Photos of the base and of the other variant.
 pub(super) type Pair<'a> = (&'a ScoredPhoto, &'a ScoredPhoto);
 
 /// The pairs of one place and bin.
@@ -60,7 +60,7 @@ pub(super) fn pair<'a>(set: ScoredSet<'a>, base: &str, variant: &str) -> (Vec<Ce
     (cells, unpaired)
 }
 
-/// By place where there are enough places: the photos of one place share its light and background in every direction.
+/// Returns the clustering: by place where there are enough places, since the photos of one place share its light and background in every direction.
 pub(super) fn clustered_by(cells: &[Cell]) -> ClusteredBy {
     let places: BTreeSet<&str> = cells.iter().map(|cell| cell.place).collect();
     if places.len() >= FEWEST_CLUSTERS {
@@ -70,7 +70,7 @@ pub(super) fn clustered_by(cells: &[Cell]) -> ClusteredBy {
     }
 }
 
-/// The clusters of some cells, in their order.
+/// Returns the clusters of some cells, in their order.
 pub(super) fn clusters<'a>(cells: &[&Cell<'a>], by: ClusteredBy) -> Vec<Cluster<'a>> {
     let mut clusters: Vec<(&str, Cluster)> = Vec::new();
     for cell in cells {

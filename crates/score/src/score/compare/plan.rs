@@ -1,4 +1,4 @@
-//! How many views show a drop of the mean confidence: simulated experiments, decided as a comparison is.
+//! Number of views that show a drop of the mean confidence, by simulated experiments decided as a comparison is.
 
 use std::iter;
 
@@ -11,7 +11,7 @@ use scaleproof_pose::simulate::normal;
 use super::decide::{LEVEL, missing};
 use super::spread::Spread;
 
-/// Why no number can be given.
+/// Reason why no number can be given.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PlanError {
     #[error(
@@ -26,53 +26,53 @@ pub enum PlanError {
     TooMany,
 }
 
-/// More views than anyone photographs.
+/// Largest number of views that is planned.
 pub(super) const MOST_VIEWS: usize = 2000;
-/// Simulated experiments behind each chance.
+/// Number of simulated experiments behind each probability.
 pub const PLAN_EXPERIMENTS: usize = 2000;
-/// Their seed.
+/// Seed of the experiments.
 pub const PLAN_SEED: u64 = SEED;
-/// Experiments whose critical statistics are averaged.
+/// Number of experiments whose critical statistics are averaged.
 const CRITICALS: usize = 8;
 
-/// Which drop shall be shown, how surely, among how many detectors and textures.
+/// Drop that is to be shown, and with which power, among how many detectors and textures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Question {
-    /// The drop of one detector's mean confidence; the others, and other textures, show nothing, which asks for the most views.
+    /// Drop of one detector's mean confidence; the others, and other textures, are assumed to show nothing, which requires the most views.
     pub drop: f64,
-    /// How often it shall be shown.
+    /// Probability with which it is to be shown.
     pub power: f64,
     pub detectors: usize,
-    /// Besides the base.
+    /// Number of textures besides the base.
     pub textures: usize,
     pub spread: Spread,
 }
 
-/// So many views show the drop.
+/// Number of views that show the drop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ViewsNeeded {
     pub views: usize,
     /// Share of the simulated experiments that show it.
     pub chance: f64,
-    /// The share of all experiments is within so much of `chance` with a probability of 95 %.
+    /// Half the width of the 95 % interval of `chance`.
     pub chance_error: f64,
 }
 
 impl Question {
-    /// The share of the error rate that a texture starts with.
+    /// Returns the share of the error rate that a texture starts with.
     fn level(&self) -> f64 {
         LEVEL / self.textures.max(1) as f64
     }
 
-    /// The fewest views that can show anything, and the fewest places that can for places like these: 2 · 2⁻ⁿ is within the texture's share.
+    /// Returns the fewest views that can show anything, and the fewest places that can for places like these: 2 · 2⁻ⁿ is within the texture's share.
     pub fn fewest(&self) -> usize {
         missing(0, self.level())
     }
 
-    /// The fewest views, of some numbers that are the same for every question, that show the drop as often as asked.
+    /// Returns the fewest views, of some numbers that are the same for every question, that show the drop with the required power.
     ///
-    /// All questions meet the same random differences, and the bisection goes over the same numbers of views: a question to which fewer experiments say yes never
-    /// gets fewer views.
+    /// All questions use the same random differences, and the bisection goes over the same numbers of views: a question whose drop fewer experiments
+    /// show never gets fewer views.
     pub fn views_needed(&self) -> Result<ViewsNeeded, PlanError> {
         self.check()?;
         let numbers = numbers();
@@ -100,12 +100,12 @@ impl Question {
         Ok(())
     }
 
-    /// The share of simulated experiments with so many views in which the flipped signs show the drop.
+    /// Returns the share of simulated experiments with so many views in which the flipped signs show the drop.
     pub fn chance(&self, views: usize) -> f64 {
         if views < self.fewest() {
             return 0.0;
         }
-        // With many views the largest statistic that chance reaches hardly depends on the experiment.
+        // With many views the critical value hardly depends on the experiment.
         let critical = (views > EXACT_CLUSTERS).then(|| self.critical(views));
         let shows = |experiment: &usize| {
             let own = self.differences(*experiment, 0, self.drop, views);
@@ -136,7 +136,7 @@ impl Question {
         self.view_by_view(experiment, detector, drop).take(views).collect()
     }
 
-    /// A detector's differences, base minus texture, without end: normal about the drop, sharing with the other detectors what is peculiar to a view.
+    /// Returns a detector's differences, base minus texture, without end: normal about the drop, with a part of each view that all detectors share.
     pub(super) fn view_by_view(&self, experiment: usize, detector: usize, drop: f64) -> impl Iterator<Item = f64> {
         let Spread {
             deviation, correlation, ..
@@ -154,7 +154,7 @@ fn stream(experiment: usize, series: usize) -> Pcg64Mcg {
     Pcg64Mcg::seed_from_u64(PLAN_SEED + ((experiment as u64) << 32) + series as u64)
 }
 
-/// Each number of views up to 32, then in steps of a sixteenth.
+/// Returns each number of views up to 32, then in steps of a sixteenth.
 fn numbers() -> Vec<usize> {
     let next = |views: &usize| Some(views + (views / 16).max(1));
     iter::successors(Some(1), next)

@@ -1,4 +1,4 @@
-//! What a comparison says: differences with their intervals and findings.
+//! Results of a comparison: differences with their intervals and findings.
 
 use serde::{Deserialize, Serialize};
 
@@ -69,26 +69,26 @@ pub struct Compared {
     pub bins: usize,
     /// Views that have pairs, each of a place and bin: what is resampled for the intervals, and what changes its sign in the tests.
     pub clusters: usize,
-    /// What is shown; `null` where nothing was tested, and intervals are all there is.
+    /// Finding; `null` where nothing was tested, and intervals are all there is.
     pub finding: Option<Finding>,
     /// The primary endpoint.
     pub mean_confidence: Difference,
-    /// The second.
+    /// The secondary endpoint.
     pub hit_rate: Hits,
     pub ap50: Difference,
     pub azimuth_bins: Vec<BinHits>,
-    /// The differences behind the findings.
+    /// Differences behind the findings, by view.
     #[serde(skip)]
     pub(in crate::score) views: Vec<PairedView>,
 }
 
 impl Compared {
-    /// What is shown; nothing where nothing was tested.
+    /// Returns the effect that is shown; `NothingShown` where nothing was tested.
     pub fn effect(&self) -> Effect {
         self.finding.map_or(Effect::NothingShown, |finding| finding.effect)
     }
 
-    /// Pairs that are hit on the base side and on the other.
+    /// Returns the numbers of pairs that are hit on the base side and on the other.
     pub fn hits(&self) -> [usize; 2] {
         let rates = [self.hit_rate.rate.base, self.hit_rate.rate.other];
         rates.map(|rate| (rate * self.pairs as f64).round() as usize)
@@ -101,7 +101,7 @@ pub(in crate::score) struct PairedView {
     pub place: String,
     pub bin: Bin,
     pub all: Sums,
-    /// Without pairs of which a photo shows what an earlier one shows.
+    /// Sums without pairs of which a photo shows what an earlier one shows.
     pub once: Sums,
 }
 
@@ -118,7 +118,7 @@ impl PairedView {
         Some(self.all)
     }
 
-    /// None where every pair shows again what others show.
+    /// Returns the sums without repeats; `None` where every pair shows again what others show.
     pub(super) fn sums_once(&self) -> Option<Sums> {
         (self.once.pairs > 0).then_some(self.once)
     }
@@ -128,7 +128,7 @@ impl PairedView {
     }
 }
 
-/// What pairs had shown when they were enough.
+/// Finding of a sequential test, when its pairs were enough.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SequentialFinding {
@@ -147,7 +147,7 @@ pub enum SequentialFinding {
 pub struct Decision {
     /// Mean of the differences that were looked at, base minus other.
     pub drop: f64,
-    /// What was shown first.
+    /// First finding.
     pub finding: SequentialFinding,
     /// Looks until something was shown; `null` while nothing is.
     pub decided_after: Option<usize>,
@@ -168,11 +168,11 @@ pub struct Decision {
 pub struct Course {
     pub detector: String,
     pub variant: String,
-    /// How many looks there were: pairs, or places.
+    /// Number of looks: pairs, or places.
     pub looks: usize,
     /// Pairs that repeat a place and bin, which are not looked at.
     pub repeats: usize,
-    /// What is shown so far, however often one looks.
+    /// Effect that is shown so far, however often one looks.
     pub effect: Effect,
     pub mean_confidence: Decision,
     pub hit_rate: Decision,
@@ -181,21 +181,21 @@ pub struct Course {
 /// Every variant against the base, look by look.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Sequential {
-    /// What is added between two looks.
+    /// Unit that is added between two looks.
     pub look_after_each: ClusteredBy,
     /// The drop that matters (`--least`); `null` where none is named.
     pub least: Option<f64>,
     pub results: Vec<Course>,
 }
 
-/// Which plan a comparison was held against, and in what it differs.
+/// Plan that a comparison was checked against, and its deviations from it.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct PlanCheck {
     /// SHA-256 of the plan; what was published of it must be the same.
     pub seal: String,
-    /// Whether the comparison is judged by McNemar's exact p of the hit rate, corrected by Holm, as the plan was sealed.
+    /// True if the comparison is judged by McNemar's exact p of the hit rate, corrected by Holm, as the plan was sealed.
     pub judged_by_hit_rate: bool,
-    /// In what the comparison differs from the plan, as sentences.
+    /// Deviations of the comparison from the plan, as sentences.
     pub deviations: Vec<String>,
 }
 

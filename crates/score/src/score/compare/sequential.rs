@@ -1,4 +1,4 @@
-//! A comparison that is looked at after every pair, or every place: what was shown first, when, and with which certainty.
+//! Sequential comparison, with a look after every pair, or every place: the first finding, its look, and its p value.
 
 use std::collections::BTreeMap;
 
@@ -12,15 +12,16 @@ use scaleproof_core::geometry::angle::turn;
 use scaleproof_core::statistics::{Sequence, holm};
 use scaleproof_pose::scene::Bin;
 
-/// What is added between two looks: its pairs, and its stratum.
+/// One look: the pairs that it adds, and its stratum.
 struct Look<'a> {
     pairs: Vec<Pair<'a>>,
-    /// Of the first of them.
+    /// Bin of the first pair.
     bin: Bin,
     stratum: usize,
 }
 
-/// Compares every variant with `base`, in the order in which the sessions list the photos, the first pair of each place and bin. `least` must lie in (0, 1).
+/// Compares every variant with `base` look by look, in the order in which the sessions list the photos, the first pair of each place and bin. `least`
+/// must lie in (0, 1).
 pub fn sequential(
     scores: &Scores,
     base: &str,
@@ -65,8 +66,8 @@ pub fn sequential(
     })
 }
 
-/// Lets the looks decide: what `comparison` says of each detector and texture is what its looks have shown, with their p, and nothing is said of places like these. A
-/// detector that does not see the base still cannot tell.
+/// Replaces the findings of `comparison` by those of the looks, with their p, and without findings for places like these. A detector that does not
+/// see the base still cannot tell.
 pub fn decide_by_looks(comparison: &mut Comparison, sequential: Sequential) {
     for course in &sequential.results {
         let own = |r: &&mut Compared| r.detector == course.detector && r.variant == course.variant;
@@ -88,12 +89,12 @@ pub fn decide_by_looks(comparison: &mut Comparison, sequential: Sequential) {
     comparison.sequential = Some(sequential);
 }
 
-/// Which of some bins, not photographed yet in the second of two variants at a place, would tell most: the one whose direction differed most in earlier pairs. A
-/// direction that nothing is known of counts as one that differs by half, and of equals the farthest from what was photographed is taken. `None` where the first variant has no photo
-/// in any of them.
+/// Returns the index of that bin of `open`, not photographed yet in the second of two variants at a place, that would tell most: the one whose
+/// direction differed most in earlier pairs. A direction without earlier pairs counts as one that differs by half, and of equals the farthest from
+/// what was photographed is taken. `None` where the first variant has no photo in any of them.
 ///
-/// What the first variant's own photo in the bin showed is *not* asked: a view picked because its base photo was a hit falls back by chance alone, and a drop would be found where there is
-/// none (`tests/sequential.rs`).
+/// The outcome of the first variant's own photo in the bin is *not* used: a view picked because its base photo was a hit falls back by chance alone,
+/// and a drop would be found where there is none (`tests/sequential.rs`).
 pub fn most_telling(scores: &Scores, [base, variant]: [&str; 2], place: &str, open: &[Bin]) -> Option<usize> {
     let (cells, _) = pair(scores.set(), base, variant);
     let at = |photo: &ScoredPhoto| photo.place.as_deref().unwrap_or_default() == place;
@@ -129,13 +130,13 @@ pub fn most_telling(scores: &Scores, [base, variant]: [&str; 2], place: &str, op
     })
 }
 
-/// Of the confidences of all detectors.
+/// Returns the difference of the confidences of a pair, the mean over all detectors.
 fn mean_difference(scores: &Scores, (base, other): Pair) -> f64 {
     let sum = |photo: &ScoredPhoto| photo.outcomes.iter().map(|outcome| outcome.confidence).sum::<f64>();
     (sum(base) - sum(other)) / scores.detectors.len().max(1) as f64
 }
 
-/// A pair is there when the later of its photos is; repeats of a place and bin tell nothing new.
+/// Returns the looks in the order of time: a pair is there when the later of its photos is. Repeats of a place and bin are left out.
 fn looks<'a>(cells: &[Cell<'a>], by: ClusteredBy) -> Vec<Look<'a>> {
     let mut strata: BTreeMap<Bin, usize> = BTreeMap::new();
     let mut looks: Vec<(&str, Look)> = Vec::new();
@@ -173,7 +174,7 @@ struct Followed {
     log10_evidence: Vec<f64>,
 }
 
-/// The mean over the looks of a figure of a pair.
+/// Returns the mean over the looks of a figure of a pair.
 fn mean(looks: &[Look], of: impl Fn(&Pair) -> f64) -> f64 {
     let each = looks
         .iter()
@@ -181,7 +182,7 @@ fn mean(looks: &[Look], of: impl Fn(&Pair) -> f64) -> f64 {
     each.sum::<f64>() / looks.len() as f64
 }
 
-/// What the decisions say in a word, where the share `left` of the texture's photos is still hit.
+/// Returns the effect that the decisions show, where the share `left` of the texture's photos is still hit.
 fn effect(confidence: &Decision, hit_rate: &Decision, left: f64) -> Effect {
     let fall = |decision: &Decision| decision.finding == SequentialFinding::Drop;
     match confidence.finding {
@@ -192,7 +193,7 @@ fn effect(confidence: &Decision, hit_rate: &Decision, left: f64) -> Effect {
     }
 }
 
-/// `tests`: how many are decided together.
+/// Tests a figure's differences look by look; `tests` is the number of tests that are decided together.
 fn followed(looks: &[Look], (least, tests): (Option<f64>, usize), difference: impl Fn(&Pair) -> f64) -> Followed {
     let strata = looks.iter().map(|look| look.stratum + 1).max().unwrap_or(1);
     let mut sequence = Sequence::new(strata, least).among(tests);
@@ -213,8 +214,8 @@ fn followed(looks: &[Look], (least, tests): (Option<f64>, usize), difference: im
     }
 }
 
-/// The mean confidence of one of some detectors, and the look after which its change was shown. The p of all detectors are corrected at each look (Holm 1979), and for
-/// the number of textures (Bonferroni): each is a p whenever one stops, so that these are, too.
+/// Returns the decision on the mean confidence of detector `own`, and the look after which its change was shown. The p of all detectors are corrected
+/// at each look (Holm 1979), and for the number of textures (Bonferroni): each is a p whenever one stops, so that these are, too.
 fn primary(all: &[Followed], own: usize, textures: usize) -> (Decision, Option<usize>) {
     let at = |look: usize| {
         holm(
@@ -229,13 +230,13 @@ fn primary(all: &[Followed], own: usize, textures: usize) -> (Decision, Option<u
     (decision(&all[own], changed_after, p_corrected), changed_after)
 }
 
-/// Another figure: its change is shown by its own p, and not before that of the mean confidence.
+/// Returns the decision on another figure: its change is shown by its own p, and not before that of the mean confidence.
 fn secondary(own: &Followed, gate: Option<usize>) -> Decision {
     let alone = own.p.iter().position(|p| *p < LEVEL).map(|look| look + 1);
     decision(own, alone.zip(gate).map(|(alone, gate)| alone.max(gate)), None)
 }
 
-/// What was shown first: a change, or that there is less than the least that matters.
+/// Returns the decision by what was shown first: a change, or a drop smaller than the least that matters.
 fn decision(own: &Followed, changed_after: Option<usize>, p_corrected: Option<f64>) -> Decision {
     let (sequence, none) = (&own.sequence, usize::MAX);
     let less_after = sequence.less_after();

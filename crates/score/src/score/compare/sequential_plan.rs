@@ -1,4 +1,4 @@
-//! How many views a comparison takes that stops as soon as it knows, by simulation.
+//! Number of views that a sequential comparison takes, by simulation.
 
 use serde::Serialize;
 
@@ -6,13 +6,13 @@ use super::decide::LEVEL;
 use super::plan::{MOST_VIEWS, PLAN_EXPERIMENTS, PlanError, Question};
 use scaleproof_core::statistics::{Sequence, Shown};
 
-/// Multiples of the drop that is planned for: what the real one may be.
+/// Multiples of the planned drop that are simulated as the real one.
 const REAL: [f64; 5] = [0.0, 0.5, 1.0, 1.5, 2.0];
 
-/// Rows that are simulated at most, and the most views before them.
+/// Number of simulations at most: one for each real drop, and one for the most views before them.
 pub const SEQUENTIAL_ROWS: usize = REAL.len() + 1;
 
-/// What a comparison takes that is looked at after each view and stops when it knows.
+/// Expected course of a comparison that is looked at after each view and stops when it knows.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct SequentialPlan {
     /// The drop that matters; `null` where none is named.
@@ -22,7 +22,7 @@ pub struct SequentialPlan {
     pub table: Vec<Expected>,
 }
 
-/// What becomes of experiments whose real drop is so large.
+/// Outcome of experiments with one real drop.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Expected {
     /// The drop of the mean confidence that is simulated.
@@ -36,7 +36,8 @@ pub struct Expected {
     pub mean_views: f64,
 }
 
-/// A plan for one detector's drop, decided at the strictest step of the correction for all detectors and textures; a place has so many directions.
+/// Plans for one detector's drop, decided at the strictest step of the correction for all detectors and textures; a place has `directions`
+/// directions.
 pub fn sequential_plan(
     question: &Question,
     least: Option<f64>,
@@ -68,7 +69,7 @@ pub fn sequential_plan(
     if most_views > MOST_VIEWS {
         return Err(PlanError::TooMany);
     }
-    // Free of the rounding of the product.
+    // The rounding error of the product is removed.
     let real = REAL.map(|times| (times * question.drop * 1e9).round() / 1e9);
     let row = |real: f64| {
         let row = expected(real, &looks.ends(real, most_views));
@@ -82,7 +83,7 @@ pub fn sequential_plan(
     })
 }
 
-/// What is shown first, and after how many views; nothing after all of them.
+/// First finding, and the number of views until then; `None` after all of them.
 type End = (Option<Shown>, usize);
 
 struct Looks<'a> {

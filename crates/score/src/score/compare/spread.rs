@@ -1,4 +1,4 @@
-//! How differences of the confidence scatter from view to view: of photos that are there, or as in the stored ones.
+//! Scatter of the differences of the confidence from view to view: of given photos, or as in the stored ones.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use crate::score::summary::variants;
 use crate::score::{ScoredPhoto, Scores};
 use scaleproof_core::statistics::FEWEST_CLUSTERS;
 
-/// How the differences of the confidence between two photos of a view scatter.
+/// Scatter of the differences of the confidence between two photos of a view.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Spread {
@@ -23,7 +23,7 @@ pub struct Spread {
     pub from: SpreadFrom,
 }
 
-/// Where a spread is known from.
+/// Source of a spread.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SpreadFrom {
@@ -37,7 +37,7 @@ pub enum SpreadFrom {
 }
 
 impl Spread {
-    /// The means over the stored session (0.213, correlated by 0.37) and films (0.201, correlated by 0.21).
+    /// Spread of the stored photos: the means over session (0.213, correlated by 0.37) and films (0.201, correlated by 0.21).
     pub const STORED: Spread = Spread {
         deviation: 0.21,
         correlation: 0.29,
@@ -45,13 +45,13 @@ impl Spread {
     };
 }
 
-/// What photos that are there say of photos that will be taken.
+/// Properties of given photos from which further ones can be planned.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Observed {
     pub spread: Spread,
     pub views: usize,
     pub detectors: usize,
-    /// Besides the base; 0 where all photos are plain.
+    /// Number of textures besides the base; 0 where all photos are plain.
     pub textures: usize,
     /// The largest mean confidence of the base, of all detectors: no drop is larger.
     pub most_drop: f64,
@@ -119,7 +119,7 @@ fn are_enough(rows: &[ByView]) -> bool {
     rows.first().is_some_and(|row| row.len() >= FEWEST_CLUSTERS)
 }
 
-/// The mean confidence of the base in each place and bin.
+/// Returns the mean confidence of the base in each place and bin.
 fn plain(scores: &Scores, side: Side) -> ByView {
     let counts = |photo: &&ScoredPhoto| photo.variant == scores.base && photo.repeat_of.is_none();
     let mut views: BTreeMap<_, Vec<f64>> = BTreeMap::new();
@@ -148,13 +148,13 @@ fn squares(row: &[f64]) -> f64 {
     products(row, row)
 }
 
-/// The sum of the products of the deviations from both means.
+/// Returns the sum of the products of the deviations from both means.
 fn products(a: &[f64], b: &[f64]) -> f64 {
     let (mean_a, mean_b) = (mean(a), mean(b));
     a.iter().zip(b).map(|(a, b)| (a - mean_a) * (b - mean_b)).sum()
 }
 
-/// The standard deviation within rows, pooled.
+/// Returns the standard deviation within rows, pooled.
 fn deviation<'a>(rows: impl Iterator<Item = &'a ByView>) -> f64 {
     let (mut sum, mut freedom) = (0.0, 0);
     for row in rows {
@@ -164,7 +164,7 @@ fn deviation<'a>(rows: impl Iterator<Item = &'a ByView>) -> f64 {
     (sum / freedom as f64).sqrt()
 }
 
-/// Pearson's, the mean over all pairs of detectors of a texture; 0 where that is negative or nothing varies.
+/// Returns Pearson's correlation, the mean over all pairs of detectors of a texture; 0 where that is negative or nothing varies.
 fn correlation(textures: &[Vec<ByView>]) -> f64 {
     let mut all = Vec::new();
     for rows in textures {

@@ -3,7 +3,7 @@
 use image::{Rgb, RgbImage};
 use rand::{Rng, RngExt};
 
-/// The image under an amount of fog; with each halving of the distance between points their randomness is divided by `decay`.
+/// Returns the image under an amount of fog; with each halving of the distance between points their randomness is divided by `decay`.
 ///
 /// x ← (x + amount · plasma) · m / (m + amount), where m is the brightest channel of the image and x is of 1.
 pub(super) fn foggy(image: &RgbImage, (amount, decay): (f32, f64), rng: &mut impl Rng) -> RgbImage {
@@ -19,7 +19,7 @@ pub(super) fn foggy(image: &RgbImage, (amount, decay): (f32, f64), rng: &mut imp
     out
 }
 
-/// Heights from 0 to 1 on a grid of `side` (a power of two) by `side` that goes on at its opposite ends.
+/// Returns heights from 0 to 1 on a periodic grid of `side` (a power of two) by `side`.
 fn plasma(side: usize, decay: f64, rng: &mut impl Rng) -> Vec<f32> {
     let mut heights = vec![0.0; side * side];
     let at = |x: usize, y: usize| (y % side) * side + x % side;

@@ -1,4 +1,4 @@
-//! Photos made worse by published amounts, to find out whether an effect survives.
+//! Photos corrupted by published amounts, to find out whether an effect survives.
 //!
 //! Amounts and formulas are those of ImageNet-C (Hendrycks and Dietterich, ICLR 2019), which Michaelis et al. ("Benchmarking Robustness in Object
 //! Detection", 2019) applied to photos of COCO's size: [`LONGEST_PX`] along the longer side, to which larger photos are reduced first. `crop` has no
@@ -17,7 +17,7 @@ use scaleproof_photo::photo::{as_jpeg, boxed};
 /// Longer side of a photo before it is corrupted, px: larger ones are reduced to it.
 pub const LONGEST_PX: u32 = 640;
 
-/// Severities of a corruption are 1 to this; 0 is the reduced photo, no worse.
+/// Greatest severity of a corruption, from 1 on; 0 is the reduced photo, no worse.
 pub const SEVERITIES: u8 = 5;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,7 +52,7 @@ impl Corruption {
         ["blur", "noise", "jpeg", "exposure", "haze", "scale", "crop"][self as usize]
     }
 
-    /// What a severity means; empty for 0.
+    /// Returns the amount of a severity; empty for 0.
     pub fn amount(self, severity: u8) -> String {
         let Some(at) = usize::from(severity).checked_sub(1) else {
             return String::new();
@@ -68,8 +68,8 @@ impl Corruption {
         }
     }
 
-    /// The image at a severity from 1 on, of the same size; a crop is made by [`cut_off`], and leaves the image as it is here. `None` where no JPEG can
-    /// be made of it.
+    /// Returns the image at a severity from 1 on, of the same size; a crop is made by [`cut_off`], and leaves the image as it is here. `None` where
+    /// no JPEG can be made of it.
     pub fn apply(self, image: &RgbImage, severity: u8, seed: u64) -> Option<RgbImage> {
         let at = usize::from(severity.clamp(1, SEVERITIES)) - 1;
         let mut rng = Pcg32::seed_from_u64(seed);
@@ -87,24 +87,24 @@ impl Corruption {
 
 /// Radius of the disk, px, and σ of the Gaussian that softens its edge, px.
 const DEFOCUS: [(i32, f32); 5] = [(3, 0.1), (4, 0.5), (6, 0.5), (8, 0.5), (10, 0.5)];
-/// σ, of 1.
+/// σ of the noise, where white is 1.
 const NOISE: [f64; 5] = [0.08, 0.12, 0.18, 0.26, 0.38];
-/// Quality.
+/// JPEG quality.
 const JPEG: [u8; 5] = [25, 18, 15, 10, 7];
-/// Added to the value of HSV, of 1.
+/// Amount added to the value of HSV, where white is 1.
 const EXPOSURE: [f32; 5] = [0.1, 0.2, 0.3, 0.4, 0.5];
-/// Amount of fog, and how much less its finer parts weigh.
+/// Amount of fog, and decay of its finer parts.
 const HAZE: [(f32, f64); 5] = [(1.5, 2.0), (2.0, 2.0), (2.5, 1.7), (2.5, 1.5), (3.0, 1.4)];
-/// Of the photo's sides.
+/// Share of the photo's sides that is kept.
 const SCALE: [f64; 5] = [0.6, 0.5, 0.4, 0.3, 0.25];
-/// Of the model's box.
+/// Share of the model's box that is cut off.
 const CROP: [f64; 5] = [0.1, 0.2, 0.3, 0.4, 0.5];
 
-/// What is left (x1, y1, x2, y2, px) of an image of `size` (width, height) when a share of the model's box is cut off at its left, right, top or bottom,
-/// which `seed` chooses: whole pixels, and at least one of the model's.
+/// Returns the part (x1, y1, x2, y2, px) that is left of an image of (width, height) when a share of the model's box is cut off at its left, right,
+/// top or bottom, which `seed` chooses: whole pixels, and at least one of the model's.
 pub fn cut_off(truth: &BoxPx, [width, height]: [u32; 2], severity: u8, seed: u64) -> [u32; 4] {
     let share = CROP[usize::from(severity.clamp(1, SEVERITIES)) - 1];
-    // From its low end on, and up to its high end.
+    // `from` cuts at the low end, `up_to` at the high end.
     let from = |low: f64, high: f64, side: u32| {
         let last = (high.ceil() as u32).clamp(1, side) - 1;
         ((low + share * (high - low)).round().max(0.0) as u32).min(last)
@@ -121,7 +121,7 @@ pub fn cut_off(truth: &BoxPx, [width, height]: [u32; 2], severity: u8, seed: u64
     }
 }
 
-/// Fewer pixels, each shown as a block.
+/// Reduces an image to a share of its sides, and shows each pixel as a block.
 fn pixelated(image: &RgbImage, share: f64) -> RgbImage {
     let (width, height) = image.dimensions();
     let [across, down] = [width, height].map(|side| ((f64::from(side) * share) as u32).max(1));

@@ -5,7 +5,7 @@ use rand::Rng;
 
 use scaleproof_core::statistics::normal;
 
-/// Normal noise of σ `sigma` (of 1) on every channel.
+/// Adds normal noise of σ `sigma` (white is 1) to every channel.
 pub(super) fn noisy(image: &RgbImage, sigma: f64, rng: &mut impl Rng) -> RgbImage {
     let mut out = image.clone();
     for value in out.iter_mut() {
@@ -14,7 +14,7 @@ pub(super) fn noisy(image: &RgbImage, sigma: f64, rng: &mut impl Rng) -> RgbImag
     out
 }
 
-/// `more` (of 1) is added to the value of HSV; hue and saturation stay.
+/// Adds `more` (white is 1) to the value of HSV; hue and saturation stay.
 pub(super) fn brighter(image: &RgbImage, more: f32) -> RgbImage {
     let mut out = image.clone();
     for pixel in out.pixels_mut() {
@@ -32,7 +32,7 @@ pub(super) fn brighter(image: &RgbImage, more: f32) -> RgbImage {
     out
 }
 
-/// The mean over a disk of `radius` px whose edge a Gaussian of σ `soft_px` softens; the image goes on as in a mirror.
+/// Returns the mean over a disk of `radius` px whose edge a Gaussian of σ `soft_px` softens; the image is mirrored at its borders.
 pub(super) fn defocused(image: &RgbImage, (radius, soft_px): (i32, f32)) -> RgbImage {
     let (width, height) = (image.width() as usize, image.height() as usize);
     let gaussian = gaussian(if radius <= 8 { 1 } else { 2 }, soft_px);
@@ -48,7 +48,7 @@ pub(super) fn defocused(image: &RgbImage, (radius, soft_px): (i32, f32)) -> RgbI
     out
 }
 
-/// Weights of a Gaussian at −reach to reach.
+/// Returns the weights of a Gaussian at −reach to reach; their sum is 1.
 fn gaussian(reach: i32, sigma: f32) -> Vec<f32> {
     let weights = (-reach..=reach).map(|x| (-0.5 * (x as f32 / sigma).powi(2)).exp());
     let weights: Vec<f32> = weights.collect();
@@ -78,7 +78,7 @@ fn smoothed(line: &[f32], weights: &[f32]) -> Vec<f32> {
     (0..line.len()).map(sum).collect()
 }
 
-/// The mean of all pixels at most `radius` px away.
+/// Returns the mean of all pixels at most `radius` px away.
 fn over_disk(plane: &[f32], (width, height): (usize, usize), radius: i32) -> Vec<f32> {
     let half_widths: Vec<i64> = (-radius..=radius)
         .map(|dy| f64::from(radius * radius - dy * dy).sqrt().floor() as i64)
@@ -114,7 +114,7 @@ fn over_disk(plane: &[f32], (width, height): (usize, usize), radius: i32) -> Vec
     out
 }
 
-/// An index beyond an end, reflected at the end's middle: … 2 1 | 0 1 2 ….
+/// Reflects an index beyond an end at the end's middle: … 2 1 | 0 1 2 ….
 fn mirrored(at: i64, count: usize) -> usize {
     let period = 2 * (count as i64 - 1).max(1);
     let at = at.rem_euclid(period);

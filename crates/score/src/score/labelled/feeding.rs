@@ -1,11 +1,11 @@
-//! The commonest ways in which a manifest feeds or reads a network otherwise than its origin.
+//! Common ways in which a manifest feeds or reads a network otherwise than its origin.
 
 use scaleproof_detect::{Channels, Kernel, Manifest, Pad, Resize, wants_photo_size};
 
 pub struct Feeding {
     pub what: String,
     pub manifest: Manifest,
-    /// How many entries further down the list its labels are taken to be.
+    /// Number of entries by which its labels are shifted down the list.
     pub shift: i64,
 }
 
@@ -28,7 +28,7 @@ const RESIZES: [(Resize, &str); 4] = [
     (Resize::LetterboxCentreRounded, "resize letterbox_centre_rounded"),
 ];
 
-/// Every single change that is worth a trial.
+/// Returns every single change that is worth a trial.
 pub fn feedings(manifest: &Manifest) -> Vec<Feeding> {
     let mut found = Vec::new();
     let mut with = |what: &str, shift: i64, change: &dyn Fn(&mut Manifest)| {
@@ -53,7 +53,7 @@ pub fn feedings(manifest: &Manifest) -> Vec<Feeding> {
             with(what, 0, &|m| (m.input.mean, m.input.std) = (mean, std));
         }
     }
-    // Boxes in pixels of the photo are not taken back from a letterbox.
+    // A head whose boxes are in pixels of the photo does not undo a letterbox.
     let is_tried = RESIZES.iter().any(|(resize, _)| *resize == input.resize) && !wants_photo_size(&manifest.head);
     let was_stretched = input.resize == Resize::Stretch;
     let others = RESIZES

@@ -1,4 +1,4 @@
-//! A detector on photos whose objects are all labelled, as its origin scored it; and, where the figure is another, what explains it.
+//! AP of a detector on photos whose objects are all labelled, as its origin computed it; and changes of the manifest that explain another figure.
 
 mod coco;
 mod feeding;
@@ -69,7 +69,7 @@ impl LabelledPhotos {
         [boxes, labels.len()]
     }
 
-    /// So many of the photos, spread evenly over the list.
+    /// Returns `count` of the photos, spread evenly over the list.
     pub fn sample(&self, count: usize) -> LabelledPhotos {
         let all = self.photos.len();
         let count = count.min(all);
@@ -96,7 +96,7 @@ impl LabelledPhotos {
         workers::map(&self.photos, open, look, on_photo)
     }
 
-    /// The averages of what was found; with `shift`, of labels that many entries further down the list. `None` without any object.
+    /// Returns the averages of the detections `found`; with `shift`, of labels that many entries further down the list. `None` without any object.
     pub fn averages(&self, found: &Found, shift: i64) -> Option<Averages> {
         let objects = self.photos.iter().flat_map(|photo| &photo.objects);
         let highest = objects.map(|object| object.label).max()?;
@@ -133,7 +133,7 @@ impl LabelledPhotos {
         self.photos.iter().zip(found).map(boxes).collect()
     }
 
-    /// What a change gains in AP@[.5:.95] at least, beyond the chance by which these photos and no others were taken: the lower end of a 95 %
+    /// Returns the least gain of a change in AP@[.5:.95], beyond the chance by which these photos and no others were taken: the lower end of a 95 %
     /// interval over photos. `None` with too few of them.
     pub fn least_gain(&self, before: &Found, (after, shift): (&Found, i64)) -> Option<f64> {
         let objects = self.photos.iter().flat_map(|photo| &photo.objects);
@@ -154,7 +154,7 @@ impl LabelledPhotos {
     }
 }
 
-/// The mean difference over the labels that have an object in the resample, and over the thresholds.
+/// Returns the mean difference over the labels that have an object in the resample, and over the thresholds.
 fn gain(sides: &[(Ranked, Ranked)], times: &[u32]) -> f64 {
     let ap = |ranked: &Ranked| Some(ApDefinition::Coco101.of_curve(&ranked.curve(|image| times[image])?));
     let gains = sides

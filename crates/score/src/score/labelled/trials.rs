@@ -1,4 +1,4 @@
-//! The manifest of a detector with one thing changed at a time: what explains a figure that is not the published one.
+//! Trials of a detector's manifest with one thing changed at a time, to explain a figure that is not the published one.
 
 use serde::Serialize;
 
@@ -6,7 +6,7 @@ use super::feeding::feedings;
 use super::{Averages, Found, LabelledError, LabelledPhotos};
 use scaleproof_detect::Manifest;
 
-/// A change explains a difference when it gains this much, beyond the chance of the photos too.
+/// Least gain of a change that explains a difference, beyond the chance of the photos too.
 pub const LEAST_GAIN: f64 = 0.02;
 
 /// The manifest with one thing changed at a time.
@@ -23,14 +23,15 @@ pub struct Trials {
 
 #[derive(Serialize, schemars::JsonSchema)]
 pub struct Trial {
-    /// What was changed.
+    /// Change of the manifest.
     pub change: String,
     pub averages: Averages,
     /// Lower end of the 95 % interval of its gain in AP@[.5:.95]; `null` with fewer than six photos.
     pub least_gain: Option<f64>,
 }
 
-/// Tries every single change of a manifest on a sample of photos, which `look` looks at under a title; `None` when they have no object that counts.
+/// Tries every single change of a manifest on a sample of photos, on which `look` runs the detector under a title; `None` when they have no object
+/// that counts.
 pub fn trials(
     manifest: &Manifest,
     sample: &LabelledPhotos,

@@ -1,11 +1,11 @@
-//! APRICOT's targeted AP, as Armory computes it: how surely a label appears where the pattern is.
+//! APRICOT's targeted AP, as Armory computes it: AP of one label at the places of the pattern.
 
 use super::armory::eleven_recalls;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_detect::Detection;
 
-/// AP of one label at the places of patches that all have it for their target: one detection a patch is right, the others of the label there are
-/// passed over, and those elsewhere do not count.
+/// Computes AP of one label at patches that all have it for their target: one detection a patch is right, the others of the label there are ignored,
+/// and those elsewhere do not count.
 pub fn targeted_ap(images: &[(BoxPx, &[Detection])], label: usize, iou: f64) -> f64 {
     let best = images.iter().filter_map(|(patch, detections)| {
         let there = detections

@@ -13,7 +13,7 @@ pub struct ArmoryRates {
     pub hallucinations: usize,
 }
 
-/// The rates of one image with at least one truth, each with the labels that are right for it.
+/// Computes the rates of one image with at least one truth, each with the labels that are right for it.
 pub fn armory_rates(
     truths: &[(&[usize], BoxPx)],
     detections: &[Detection],
@@ -38,12 +38,12 @@ pub fn armory_rates(
     }
 }
 
-/// AP over 11 recalls, as numpy's linspace makes them.
+/// Computes AP over 11 recalls, as numpy's linspace makes them.
 pub fn armory_ap(images: &[ImageBoxes], iou: f64) -> f64 {
     eleven_recalls(&Ranked::new(images, iou.next_up()).curve(|_| 1).unwrap_or_default())
 }
 
-/// The mean of the best precision at 11 recalls or beyond, of a curve of (precision, recall).
+/// Computes the mean of the best precision at 11 recalls or beyond, of a curve of (precision, recall).
 pub(super) fn eleven_recalls(curve: &[(f64, f64)]) -> f64 {
     let recall = |i: u32| if i == 10 { 1.0 } else { f64::from(i) * 0.1 };
     let best = |least: f64| {

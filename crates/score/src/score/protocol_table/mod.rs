@@ -29,7 +29,7 @@ pub struct ProtocolTable {
     pub rows: Vec<Vec<String>>,
 }
 
-/// The table of the run's protocol; none when it follows none.
+/// Returns the table of the run's protocol; `None` when it follows none.
 pub fn protocol_table(scores: &Scores) -> Option<ProtocolTable> {
     let protocol = scores.criteria.protocol?;
     let (columns, rows) = match protocol {
@@ -68,14 +68,14 @@ const ARMORY: [&str; 8] = [
 
 const APRICOT: [&str; 6] = ["detector", "texture", "photos", "target", "targeted AP", "fooled"];
 
-/// The figure of PADetBench's plain model and of the whole set of photos.
+/// PADetBench's names of the plain model and of the whole set of photos.
 const CLEAN: &str = "clean";
 const ENTIRE: &str = "entire";
 
-/// A condition of imported photos that names the part of PADetBench they belong to.
+/// Name of the condition of imported photos that has the part of PADetBench they belong to.
 const BENCHMARK: &str = "benchmark";
 
-/// A row for each texture, columns for each detector.
+/// Returns columns for each detector, and a row for each texture.
 fn by_texture(
     scores: &Scores,
     names: [&str; 2],
@@ -110,7 +110,7 @@ impl Shown<'_> {
     }
 }
 
-/// A row for each detector and texture: their names, how many photos, and `cells`.
+/// Returns a row for each detector and texture: their names, the number of photos, and `cells`.
 fn rows(scores: &Scores, cells: fn(&Scores, &Shown) -> Vec<String>) -> Vec<Vec<String>> {
     let mut rows = Vec::new();
     for (side, detector) in Side::each(&scores.detectors) {
@@ -146,7 +146,7 @@ fn apricot<'a>(scores: &Scores, shown: &Shown<'a>) -> Vec<String> {
     for (label, _) in strongest {
         *counts.entry(label).or_default() += 1;
     }
-    // Of labels found as often the first.
+    // The first of labels that are found equally often.
     let target = counts
         .into_iter()
         .reduce(|most, next| if next.1 > most.1 { next } else { most });
@@ -162,8 +162,8 @@ fn apricot<'a>(scores: &Scores, shown: &Shown<'a>) -> Vec<String> {
     ]
 }
 
-/// A row for each detector, texture and part of the benchmark: all photos, the parts that their condition `benchmark` names, and the groups that
-/// were asked for.
+/// Returns a row for each detector, texture and part of the benchmark: all photos, the parts that their condition `benchmark` names, and the groups
+/// of the run.
 fn padetbench(scores: &Scores) -> Vec<Vec<String>> {
     let own = scores.photos.iter().filter_map(|p| p.conditions.get(BENCHMARK));
     let parts: BTreeSet<&String> = own.filter(|part| *part != ENTIRE).collect();
@@ -198,7 +198,7 @@ fn padetbench(scores: &Scores) -> Vec<Vec<String>> {
     rows
 }
 
-/// AP and recall at IoU 0.5 of the photos of one part of the benchmark.
+/// Returns AP and recall at IoU 0.5 of the photos of one part of the benchmark.
 fn part_figures(scores: &Scores, side: Side, variant: &str, part: &str) -> Option<(f64, f64)> {
     let own = |p: &&ScoredPhoto| p.variant == variant && p.conditions.get(BENCHMARK).is_some_and(|b| b == part);
     let images = side.images(scores.photos.iter().filter(own));
@@ -206,12 +206,12 @@ fn part_figures(scores: &Scores, side: Side, variant: &str, part: &str) -> Optio
     Some((found.ap, found.recall))
 }
 
-/// Two digits of Armory's AP, which adds 1e-8 to the number that a precision is divided by: what is a five behind the last digit lies below it.
+/// Formats Armory's AP with two digits. Armory adds 1e-8 to the number that a precision is divided by: a five behind the last digit becomes less.
 fn armory_digits(ap: f64) -> String {
     digits(ap * (1.0 - 1e-8), 2)
 }
 
-/// Three significant digits, one of them behind the point at least.
+/// Formats three significant digits, one of them behind the point at least.
 pub fn significant(value: f64) -> String {
     digits(value, if value < 10.0 { 2 } else { 1 })
 }

@@ -1,4 +1,4 @@
-//! Whether the order of the variants is the same in other photos: simulated against photographed, 1:10 against 1:24.
+//! Agreement of the order of the variants with that in other photos: simulated against photographed, 1:10 against 1:24.
 
 mod result;
 
@@ -14,7 +14,8 @@ use scaleproof_core::spelling::{choose, count};
 use scaleproof_core::statistics::{ALIKE, FEWEST_CLUSTERS, Interval, interval_95_of_two, kendall_tau_b};
 use scaleproof_pose::scene::Bin;
 
-/// Orders the variants of two runs by AP, and says how far they agree, for each detector that both have, over all photos and over those of each group of the first.
+/// Orders the variants of two runs by AP, and computes how far they agree, for each detector that both have, over all photos and over those of each
+/// group of the first.
 pub fn ranking(scores: &Scores, other: &Scores) -> Ranking {
     let (mut rows, mut cautions) = (Vec::new(), Vec::new());
     let here: BTreeSet<&str> = scores.photos.iter().map(|photo| photo.sha256.as_str()).collect();
@@ -53,7 +54,7 @@ pub fn ranking(scores: &Scores, other: &Scores) -> Ranking {
     }
 }
 
-/// All photos, then each value of each condition that was grouped by.
+/// Returns `None` for all photos, then each value of each condition that was grouped by.
 fn groups(scores: &Scores) -> Vec<Option<(&GroupBy, String)>> {
     let of_each = scores.groups().iter().flat_map(|by| {
         let values: BTreeSet<String> = scores.photos.iter().filter_map(|photo| by.group_of(photo)).collect();
@@ -87,7 +88,8 @@ impl<'a> CellPhotos<'a> {
         }
     }
 
-    /// The APs of these variants over the cells that have photos of all of them, and the cluster that each cell is in: its place where there are six places or more.
+    /// Returns the APs of these variants over the cells that have photos of all of them, and the cluster of each cell: its place where there are six
+    /// places or more.
     fn variant_aps(&self, all: &[&str], definition: ApDefinition) -> VariantAps {
         let whole: Vec<_> = self
             .cells
@@ -128,7 +130,7 @@ struct VariantAps {
 }
 
 impl VariantAps {
-    /// AP of each variant, when each cluster counts so many times.
+    /// Returns AP of each variant, when each cluster counts as often as `drawn` says.
     fn aps(&self, drawn: &[u32]) -> Vec<f64> {
         let aps = self.variants.iter();
         aps.map(|ap| ap.of_draw(drawn, self.definition)).collect()
@@ -189,7 +191,7 @@ fn row(
     })
 }
 
-/// Without an interval all resamples agree, or there are too few clusters.
+/// Returns the finding. Without an interval all resamples agree, or there are too few clusters.
 fn finding(clusters: [usize; 2], tau: Option<f64>, interval: Option<Interval>) -> RankingFinding {
     let Some(tau) = tau else {
         return RankingFinding::TooFewPhotosToTell;

@@ -1,10 +1,10 @@
-//! What two orders of the variants have in common.
+//! Agreement of two orders of the variants.
 
 use serde::Serialize;
 
 use scaleproof_core::statistics::Interval;
 
-/// What two orders say of each other.
+/// Finding on the agreement of two orders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum RankingFinding {
@@ -51,6 +51,6 @@ pub struct Ranking {
     pub others: Vec<String>,
     /// One row for each detector, and with `--group-by` for each value of a condition.
     pub rows: Vec<RankingRow>,
-    /// What could not be held against each other, as sentences.
+    /// Cautions on what could not be compared, as sentences.
     pub cautions: Vec<String>,
 }

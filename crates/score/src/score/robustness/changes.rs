@@ -1,4 +1,4 @@
-//! Photos that were changed against themselves as they were.
+//! Comparison of changed photos with the same photos unchanged.
 
 use std::collections::BTreeMap;
 
@@ -10,11 +10,11 @@ use crate::score::observe::Options;
 use crate::score::{ScoredPhoto, ScoredSet, Scores};
 use scaleproof_plot::distinct;
 
-/// What photos that were not changed are called where that stands for a texture: no texture is called so.
+/// Variant of unchanged photos where they stand for a texture: no texture is called so.
 const UNCHANGED: &str = "\u{1}";
 
-/// The photos of each variant under each of so many conditions against themselves under the first, of which nothing is said. The conditions of a detector
-/// and variant are tested together.
+/// Compares the photos of each variant under each condition with themselves under the first, which has no comparisons itself. The conditions of a
+/// detector and variant are tested together.
 pub(super) fn changes(
     scores: &Scores,
     photos: &[Seen],
@@ -23,7 +23,7 @@ pub(super) fn changes(
 ) -> Result<Vec<Vec<Held>>, ScoreError> {
     let mut all = per_condition(options, conditions, |at| compared(scores, photos, at))?;
     for own in families(&mut all) {
-        // What was not seen before may be seen after a defence.
+        // A base that was not seen before may be seen after a defence.
         decide_families(vec![own], 0.0);
     }
     let held = |own: Vec<Compared>| {
@@ -34,7 +34,7 @@ pub(super) fn changes(
     Ok(all.into_iter().map(held).collect())
 }
 
-/// What is tested together: the same detector and variant under all conditions.
+/// Groups comparisons that are tested together: the same detector and variant under all conditions.
 fn families(all: &mut [Vec<Compared>]) -> impl Iterator<Item = Vec<&mut Compared>> {
     let mut families: BTreeMap<[String; 2], Vec<&mut Compared>> = BTreeMap::new();
     for compared in all.iter_mut().flatten() {
@@ -44,7 +44,7 @@ fn families(all: &mut [Vec<Compared>]) -> impl Iterator<Item = Vec<&mut Compared
     families.into_values()
 }
 
-/// Under one condition. A photo pairs with itself: both sides have the same photos in the same order.
+/// Compares photos under one condition. A photo pairs with itself: both sides have the same photos in the same order.
 fn compared(scores: &Scores, photos: &[Seen], at: usize) -> Vec<Compared> {
     if at == 0 {
         return Vec::new();

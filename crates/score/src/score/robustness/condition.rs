@@ -1,4 +1,4 @@
-//! What is done with a photo before the detectors look at it.
+//! Conditions of a photo under which the detectors are run.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use crate::score::corrupt::Corruption;
 use scaleproof_detect::ProgramDefence;
 use scaleproof_photo::defence::Defence;
 
-/// A way to give back what a pattern took, in the image alone.
+/// A defence against patterns that changes the image alone.
 #[derive(Debug, Clone)]
 pub enum Defending {
     Published(Defence),
@@ -14,7 +14,7 @@ pub enum Defending {
 }
 
 impl Defending {
-    /// As it is asked for, without `exec:`.
+    /// Returns the name by which it is chosen, without `exec:`.
     pub fn name(&self) -> String {
         match self {
             Self::Published(defence) => defence.name(),
@@ -25,14 +25,14 @@ impl Defending {
 
 #[derive(Debug, Clone)]
 pub(super) enum Condition {
-    /// No more than reduced.
+    /// Reduced, and not changed otherwise.
     Reduced,
     Worse(Corruption, u8),
     Defended(Defending),
 }
 
 impl Condition {
-    /// As messages say it.
+    /// Returns the name for messages.
     pub(super) fn name(&self) -> String {
         match self {
             Self::Reduced => "no more than reduced".to_owned(),

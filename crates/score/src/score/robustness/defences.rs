@@ -1,11 +1,11 @@
-//! What is left of the differences when photos are defended, and what each defence changes.
+//! Differences between variants on defended photos, and the changes by each defence.
 
 use serde::Serialize;
 
 use super::Held;
 use super::condition::Defending;
 
-/// What photos are called that are no more than reduced.
+/// Name of the condition of photos that are no more than reduced.
 pub const UNDEFENDED: &str = "none";
 
 /// Every comparison under every defence.
@@ -17,17 +17,17 @@ pub struct Defences {
     pub rows: Vec<DefendedRow>,
     /// The photos of each variant with a defence (`other` in figures) against the same photos without (`base`): a negative drop is what the defence gives back.
     pub changes: Vec<DefendedRow>,
-    /// What a reader must know besides, as sentences.
+    /// Further cautions, as sentences.
     pub cautions: Vec<String>,
 }
 
-/// What a defence is.
+/// Description of a defence.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct DefenceCard {
     pub name: String,
-    /// What it does to the image.
+    /// Effect of the defence on the image.
     pub does: String,
-    /// Who tests it: authors and year; of a program, its own version and the SHA-256 of its files.
+    /// Source of the defence: authors and year; of a program, its own version and the SHA-256 of its files.
     pub source: String,
 }
 

@@ -1,4 +1,4 @@
-//! A run's comparisons on defended photos, and photos with a defence against themselves without it.
+//! Comparisons of a run on defended photos, and of photos with a defence with the same photos without it.
 
 use super::changes::changes;
 use super::condition::{Condition, Defending};
@@ -8,8 +8,8 @@ use crate::score::Scores;
 use crate::score::error::ScoreError;
 use crate::score::observe::Options;
 
-/// Looks at every photo of a run again, under each of these defences, and compares the variants as [`super::under_corruption`] does. `None` where no photos
-/// pair.
+/// Runs the detectors on every photo of a run again, under each of these defences, and compares the variants as [`super::under_corruption`] does.
+/// `None` where no photos pair.
 pub fn under_defences(
     scores: &Scores,
     defences: &[Defending],

@@ -1,17 +1,17 @@
-//! What a detector found in several cuttings of one photo, as one list.
+//! Detections in several crops of one photo, joined to one list.
 
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_detect::{Detection, MAX_DETECTIONS, SCORE_FLOOR};
 
-/// Boxes of one label that overlap by so much are of one object.
+/// Least IoU of boxes of one label that are of one object.
 const SAME_IOU: f64 = 0.5;
 
-/// Boxes of one object, at most one of each cutting.
+/// Boxes of one object, at most one of each crop.
 struct Object {
     surest: Detection,
     cuttings: Vec<usize>,
     sum: f64,
-    /// Each corner times the score of its box.
+    /// Sums of the corners of the boxes, weighted by their scores.
     weighted: [f64; 4],
 }
 
@@ -28,7 +28,7 @@ impl Object {
         self.weighted = std::array::from_fn(|i| self.weighted[i] + found.score * corners[i]);
     }
 
-    /// Its box, the mean weighted by the scores, and the mean score over all cuttings that show its middle, whether they found it or not.
+    /// Returns its box, the mean weighted by the scores, and the mean score over all crops that show its middle, whether they found it or not.
     fn mean(&self, windows: &[BoxPx]) -> Option<Detection> {
         let b = BoxPx::from(self.weighted.map(|v| v / self.sum));
         let (x, y) = (0.5 * (b.x1 + b.x2), 0.5 * (b.y1 + b.y2));
@@ -40,10 +40,10 @@ impl Object {
     }
 }
 
-/// `found`: the detections of each cutting, in the photo; `windows`: where the cuttings are. One list stays as it is.
+/// Joins the detections `found` in each crop, in the photo's pixels; `windows`: the crops. One list stays as it is.
 ///
-/// Guo et al. (2018) average what a classifier says of random crops. Of boxes that is a mean over those of one object, as Solovyev et al. ("Weighted boxes
-/// fusion", 2021) average those of several detectors.
+/// Guo et al. (2018) average the answers of a classifier to random crops. For boxes that is a mean over those of one object, as Solovyev et al.
+/// ("Weighted boxes fusion", 2021) average those of several detectors.
 pub(super) fn joined(mut found: Vec<Vec<Detection>>, windows: &[BoxPx]) -> Vec<Detection> {
     if found.len() == 1 {
         return found.pop().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! What the detectors find in a photo that is made worse, or defended.
+//! Detections in a photo that is corrupted, or defended.
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ use scaleproof_detect::Detection;
 use scaleproof_photo::defence::Frame;
 use scaleproof_photo::photo::{Photo, fitting, shrunk};
 
-/// The photo with what is found in it under each condition, or why nothing is said of it.
+/// Returns the photo with its detections under each condition, or the reason why there are none.
 pub(super) fn at(
     observer: &mut Observer,
     scores: &Scores,
@@ -76,18 +76,18 @@ pub(super) fn at(
     conditions.iter().map(&mut under).collect()
 }
 
-/// An image that the detectors look at.
+/// An image that the detectors are run on.
 struct View {
     frame: Frame,
-    /// The image in the photo at full size, px.
+    /// Place of the image in the photo at full size, px.
     in_photo: BoxPx,
-    /// What the image depends on besides the photo's content; `None` where it may be another one each time.
+    /// Name of all that the image depends on besides the photo's content; `None` where it may be another one each time.
     name: Option<String>,
     seed: u64,
 }
 
 impl View {
-    /// Most often one.
+    /// Returns the images of a photo under a condition, most often one.
     fn all(photo: &ScoredPhoto, condition: &Condition) -> Vec<Self> {
         let size = [photo.width, photo.height];
         let reduced = fitting(size, LONGEST_PX);
@@ -131,8 +131,8 @@ impl View {
     }
 }
 
-/// A corruption's is the same at every severity, and for photos of one place and bin, which are paired: a photo happens to be a bad one. A defence does not
-/// know what a photo is paired with.
+/// Returns the seed of a condition. A corruption's is the same at every severity, and for photos of one place and bin, which are paired. A defence's
+/// depends on the photo alone, as a defence does not know what a photo is paired with.
 fn seed(photo: &ScoredPhoto, condition: &Condition) -> u64 {
     let alike = match (condition, photo.bin) {
         (Condition::Defended(defence), _) => format!("{} {}", photo.sha256, defence.name()),
@@ -143,20 +143,20 @@ fn seed(photo: &ScoredPhoto, condition: &Condition) -> u64 {
     u64::from_str_radix(&sha256_hex(alike.as_bytes())[..16], 16).unwrap_or_default()
 }
 
-/// A box of an image of one size, width and height, where it is in the image at another.
+/// Scales a box from an image of one size, width and height, to the image at another.
 fn scaled(b: &BoxPx, from: [u32; 2], to: [u32; 2]) -> BoxPx {
     let [across, down] = [0, 1].map(|i| f64::from(to[i]) / f64::from(from[i]));
     BoxPx::new(across * b.x1, down * b.y1, across * b.x2, down * b.y2)
 }
 
-/// What two boxes have in common.
+/// Returns the intersection of two boxes.
 fn common(a: &BoxPx, b: &BoxPx) -> BoxPx {
     BoxPx::new(a.x1.max(b.x1), a.y1.max(b.y1), a.x2.min(b.x2), a.y2.min(b.y2))
 }
 
-/// What is made of the detections. Those that count as the model are kept: the others matter for the outcome alone.
+/// Judges the detections. Those that count as the model are kept: the others matter for the outcome alone.
 fn judged(scores: &Scores, photo: &ScoredPhoto, truth: BoxPx, mut detections: Vec<Vec<Detection>>) -> ScoredPhoto {
-    // Padding is no place in the photo.
+    // Padding lies outside the photo.
     let [width, height] = [photo.width, photo.height].map(f64::from);
     detections
         .iter_mut()

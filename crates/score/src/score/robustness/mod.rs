@@ -1,5 +1,5 @@
-//! Whether an effect survives when photos get worse or are defended: the comparisons of a run, again at every severity of some corruptions, or under some
-//! defences.
+//! Comparisons on photos that are corrupted or defended, to find out whether an effect survives: those of a run, again at every severity of some
+//! corruptions, or under some defences.
 
 mod changes;
 mod condition;
@@ -28,11 +28,11 @@ use scaleproof_core::workers;
 use scaleproof_plot::distinct;
 use scaleproof_session::session::Session;
 
-/// A photo under each condition, or why a detector says nothing of it there.
+/// A photo under each condition, or the reason why it has no detections there.
 type Seen = Vec<Result<ScoredPhoto, NotScoredReason>>;
 
-/// Looks at every photo of a run again, at each severity of each of these corruptions, and compares the variants with the base, and with the random
-/// control where there is one. `None` where no photos pair. `on_photo` is called after each photo.
+/// Runs the detectors on every photo of a run again, at each severity of each of these corruptions, and compares the variants with the base, and with
+/// the random control where there is one. `None` where no photos pair. `on_photo` is called after each photo.
 pub fn under_corruption(
     scores: &Scores,
     corruptions: &[Corruption],
@@ -53,7 +53,7 @@ pub fn under_corruption(
         .transpose()
 }
 
-/// A run's photos under some conditions, and what its comparisons are there. The first condition is to be no more than reduced.
+/// Photos of a run under some conditions, and its comparisons there. The first condition is no more than reduced.
 struct Again {
     conditions: Vec<Condition>,
     photos: Vec<Seen>,
@@ -61,7 +61,7 @@ struct Again {
 }
 
 impl Again {
-    /// `None` where no photos pair.
+    /// Runs the detectors and compares the variants; `None` where no photos pair.
     fn of(
         scores: &Scores,
         changed: impl Iterator<Item = Condition>,
@@ -82,7 +82,7 @@ impl Again {
         }))
     }
 
-    /// How many images nothing is said of, and the first.
+    /// Returns a sentence on the number of images without detections, and the first of them; none where all have some.
     fn left_out(&self, scores: &Scores, changed: &str) -> Vec<String> {
         let all = scores.photos.iter().zip(&self.photos).flat_map(|(photo, seen)| {
             let seen = seen.iter().zip(&self.conditions);
@@ -102,7 +102,7 @@ impl Again {
     }
 }
 
-/// Every photo of a run under every condition.
+/// Runs the detectors on every photo of a run under every condition.
 fn looked(
     scores: &Scores,
     conditions: &[Condition],
@@ -120,7 +120,7 @@ fn looked(
     )
 }
 
-/// What is made of each condition, by its number.
+/// Computes a value for each condition, by its number, in parallel.
 fn per_condition<T: Send>(
     options: &Options,
     count: usize,
@@ -130,7 +130,7 @@ fn per_condition<T: Send>(
     workers::map_over(options.threads, &places, || Ok(()), |(), at| Ok(of(*at)), || {})
 }
 
-/// Finds out before a run whether its drops can be followed on photos that are changed: made worse, or defended.
+/// Checks before a run that its drops can be followed on photos that are changed: made worse, or defended.
 pub fn check_changeable(
     sessions: &[Session],
     detectors: &[EvaluatedDetector],
@@ -157,7 +157,7 @@ pub fn check_changeable(
     other.map_or(Ok(()), refused)
 }
 
-/// The comparisons of one condition.
+/// Returns the comparisons of one condition.
 fn held(scores: &Scores, compared: &[(&str, &str)], photos: &[Seen], at: usize) -> Vec<Held> {
     let own = photos.iter().filter_map(|photo| photo[at].as_ref().ok().cloned());
     let photos: Vec<ScoredPhoto> = own.collect();
@@ -167,7 +167,7 @@ fn held(scores: &Scores, compared: &[(&str, &str)], photos: &[Seen], at: usize) 
     };
     let mut all = Vec::new();
     for (base, other) in compared {
-        // Without pairs, because detectors said nothing of so many photos, the condition has no row.
+        // Without pairs, because too many photos have no detections, the condition has no row.
         if let Ok(comparison) = compare_set(set, base, &[other], scores.criteria.ap) {
             all.extend(comparison.results.into_iter().map(|compared| Held::new(base, compared)));
         }
@@ -175,7 +175,7 @@ fn held(scores: &Scores, compared: &[(&str, &str)], photos: &[Seen], at: usize) 
     all
 }
 
-/// (base, variant) with pairs: every variant against the base, and every other pattern against the random ones.
+/// Returns (base, variant) with pairs: every variant against the base, and every other pattern against the random ones.
 fn comparisons<'a>(scores: &'a Scores) -> Vec<(&'a str, &'a str)> {
     let all = scores.photos.iter().map(|photo| photo.variant.as_str());
     let variants = distinct(all.filter(|variant| *variant != scores.base));
@@ -186,8 +186,8 @@ fn comparisons<'a>(scores: &'a Scores) -> Vec<(&'a str, &'a str)> {
     all.filter(|(base, other)| pairs(scores.set(), base, other)).collect()
 }
 
-/// Each corruption with the reduced photo before its severities. `compared`, `changes`: those of the reduced photo, then those of each corruption's
-/// severities.
+/// Joins the rows of each corruption, the reduced photo before its severities. `compared`, `changes`: those of the reduced photo, then those of each
+/// corruption's severities.
 fn together(
     corruptions: &[Corruption],
     compared: Vec<Vec<Held>>,

@@ -1,4 +1,4 @@
-//! What is left of the differences when photos get worse.
+//! Differences between variants on corrupted photos.
 
 use serde::Serialize;
 
@@ -12,14 +12,14 @@ pub struct Robustness {
     pub rows: Vec<CorruptedRow>,
     /// The photos of each variant at each severity from 1 on (`other` in figures) against the same photos reduced alone (`base`).
     pub changes: Vec<CorruptedRow>,
-    /// How far the drop of AP goes, for each corruption, base, variant and detector.
+    /// Survival of the drop of AP, for each corruption, base, variant and detector.
     pub survival: Vec<Survival>,
-    /// What a reader must know besides, as sentences.
+    /// Further cautions, as sentences.
     pub cautions: Vec<String>,
 }
 
 impl Robustness {
-    /// Their names, in the order in which they were asked for.
+    /// Returns the names of the corruptions, in the order in which they were chosen.
     pub fn corruptions(&self) -> Vec<&'static str> {
         let mut names: Vec<&str> = self.rows.iter().map(|row| row.corruption).collect();
         names.dedup();
@@ -30,11 +30,11 @@ impl Robustness {
 /// A variant against its base on photos of one severity.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct CorruptedRow {
-    /// What makes the photos worse (scoring.md lists it).
+    /// Name of the corruption (scoring.md lists them).
     pub corruption: &'static str,
     /// 0 to 5; 0 is the photo reduced to 640 px like the others, no worse.
     pub severity: u8,
-    /// What the severity means; empty for severity 0.
+    /// Amount of the severity; empty for severity 0.
     pub amount: String,
     #[serde(flatten)]
     pub held: Held,
@@ -48,7 +48,7 @@ pub struct Held {
     pub detector: String,
     /// Pairs of photos.
     pub pairs: usize,
-    /// What is shown of photos that were changed, against the same photos as they were; `null` where textures are compared, by intervals alone.
+    /// Finding on photos that were changed, against the same photos as they were; `null` where textures are compared, by intervals alone.
     pub finding: Option<Finding>,
     pub mean_confidence: Difference,
     pub hit_rate: Difference,
@@ -69,12 +69,13 @@ impl Held {
         }
     }
 
-    /// Whether it compares the same variants by the same detector.
+    /// Returns true if it compares the same variants by the same detector.
     pub(super) fn is_as(&self, other: &Self) -> bool {
         [&self.base, &self.variant, &self.detector] == [&other.base, &other.variant, &other.detector]
     }
 
-    /// Whether the drop of AP is above 0 in 95 % of resamples, or in all of them; `None` where there are too few pairs for either.
+    /// Returns true if the 95 % interval of the drop of AP lies above 0, or the drop itself where all resamples agree; `None` where there are too few
+    /// pairs for either.
     pub fn is_above_zero(&self) -> Option<bool> {
         match self.ap50.interval_95 {
             Some(interval) => Some(interval.low > 0.0),
@@ -83,7 +84,7 @@ impl Held {
     }
 }
 
-/// How far a drop of AP goes.
+/// Survival of a drop of AP over the severities of a corruption.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Survival {
     pub corruption: &'static str,
@@ -98,11 +99,11 @@ pub struct Survival {
     pub without_interval_at: Vec<u8>,
 }
 
-/// An AP of the base that leaves no room for a drop.
+/// AP of the base below which there is no room for a drop.
 pub const BASE_LOST: f64 = 0.2;
 
 impl Survival {
-    /// Of the rows of one corruption and comparison, in the order of severities.
+    /// Makes the survival of the rows of one corruption and comparison, in the order of severities.
     pub(super) fn of<'a>(first: &CorruptedRow, own: impl Iterator<Item = &'a CorruptedRow> + Clone) -> Self {
         let at =
             |is: &dyn Fn(&CorruptedRow) -> bool| own.clone().filter(|row| is(row)).map(|row| row.severity).collect();

@@ -1,4 +1,4 @@
-//! In what a comparison differs from its plan.
+//! Deviations of a comparison from its plan.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -114,7 +114,7 @@ impl SealedPlan {
         all
     }
 
-    /// In whichever order photos are looked at, nobody may choose it afterwards.
+    /// Returns a deviation where photos are not listed in the order of their times: nobody may choose the order afterwards.
     fn of_order(&self, scores: &Scores) -> Option<String> {
         let is_later = |pair: &[ScoredPhoto]| {
             let (a, b) = (pair[0].taken.as_ref(), pair[1].taken.as_ref());

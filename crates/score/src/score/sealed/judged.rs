@@ -1,11 +1,11 @@
-//! Plans that were sealed when the hit rate decided: their comparisons are judged as they say.
+//! Plans that were sealed when the hit rate decided: their comparisons are judged by it.
 
 use super::plan::{Endpoint, SealedPlan};
 use crate::score::compare::{Comparison, Effect, LEVEL, MOST_HIT};
 use scaleproof_core::statistics::{holm, mcnemar_p};
 
 impl SealedPlan {
-    /// What the plan decides by; plans that do not state it are of versions that knew the hit rate alone.
+    /// Returns the endpoint that the plan decides by; plans that do not state it are of versions that knew the hit rate alone.
     pub fn endpoint(&self) -> Endpoint {
         self.aim.map_or(Endpoint::HitRate, |aim| aim.primary_endpoint)
     }

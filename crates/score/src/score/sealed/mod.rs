@@ -1,4 +1,4 @@
-//! A plan that was fixed before the photos, and in what a comparison differs from it.
+//! Plan that was fixed before the photos, and deviations of a comparison from it.
 
 mod deviations;
 mod judged;

@@ -10,7 +10,7 @@ use scaleproof_core::files::{self, FileError};
 use scaleproof_detect::{Manifest, ManifestError};
 use scaleproof_pose::scene::Classes;
 
-/// What an experiment fixes before its photos are taken.
+/// Plan of an experiment, fixed before its photos are taken.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SealedPlan {
@@ -40,15 +40,15 @@ pub struct SealedPlan {
     pub camera_sha256: Option<String>,
     /// Azimuth and pitch (degrees) and distance (mm) of the bins that are photographed in every texture at every place.
     pub views: Vec<[f64; 3]>,
-    /// How many places are photographed.
+    /// Number of places that are photographed.
     pub places: u16,
     pub stopping: Stopping,
-    /// What the experiment is to show; `null` in plans of versions that did not state it.
+    /// Aim of the experiment; `null` in plans of versions that did not state it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub aim: Option<Aim>,
 }
 
-/// What an experiment is to show, and how surely.
+/// Effect that an experiment is to show, and how surely.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Aim {
@@ -59,18 +59,18 @@ pub struct Aim {
     /// The hit rate that is expected of the base; in plans for the hit rate alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub base_rate: Option<f64>,
-    /// How often such a drop shall be shown.
+    /// Probability with which such a drop shall be shown.
     pub power: f64,
     /// Detectors × textures that are held against the base.
     pub comparisons: usize,
-    /// How many places show the drop of one of them so often. `null` where no number of photos that anyone takes does.
+    /// Number of places that show the drop of one of them so often. `null` where no number of photos that anyone takes does.
     pub places_needed: Option<usize>,
-    /// How the differences are assumed to scatter; in plans for the mean confidence alone.
+    /// Assumed scatter of the differences; in plans for the mean confidence alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spread: Option<Spread>,
 }
 
-/// What a comparison is decided by.
+/// Figure and test that decide a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Endpoint {
@@ -80,7 +80,7 @@ pub enum Endpoint {
     HitRate,
 }
 
-/// What a detector is known by.
+/// Hashes by which a detector is known.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SealedDetector {
@@ -89,15 +89,15 @@ pub struct SealedDetector {
     pub manifest_sha256: String,
 }
 
-/// When the photos are enough.
+/// Rule by which the photos are enough.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Stopping {
-    /// When every view is there; the result is looked at once.
+    /// Once every view is there; the result is looked at once.
     EveryView,
-    /// When the sequential test shows something.
+    /// Once the sequential test shows something.
     Decided {
-        /// What is added between two looks.
+        /// Unit that is added between two looks.
         look_after_each: ClusteredBy,
         /// The drop that matters; `null` where none is named.
         least: Option<f64>,
@@ -113,7 +113,7 @@ pub struct SealedFile {
     plan: SealedPlan,
 }
 
-/// Why a plan cannot be sealed or read.
+/// Reason why a plan cannot be sealed or read.
 #[derive(Debug, thiserror::Error)]
 pub enum SealError {
     #[error(transparent)]
@@ -160,7 +160,7 @@ impl SealedPlan {
         Ok(file.seal)
     }
 
-    /// Reads a plan; the seal is that of its content, and a sentence says when the file states another.
+    /// Reads a plan; the seal is that of its content, and a deviation says when the file states another.
     pub fn read(path: &Path) -> Result<(SealedPlan, PlanCheck), SealError> {
         let bytes = files::read_at_most(path, MOST_BYTES)?;
         let refused = |reason: String| {
@@ -188,7 +188,7 @@ impl SealedPlan {
 }
 
 impl Stopping {
-    /// After what one looks, and the least drop that matters; none where one looks once.
+    /// Returns the unit after which one looks, and the least drop that matters; `None` where one looks once.
     pub fn looks(self) -> Option<(ClusteredBy, Option<f64>)> {
         match self {
             Stopping::EveryView => None,

@@ -1,4 +1,4 @@
-//! The photos that were planned against those that are there.
+//! Deviations of the photos from those that were planned.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,13 +9,13 @@ use scaleproof_core::spelling::count;
 use scaleproof_plot::distinct;
 use scaleproof_pose::scene::Bin;
 
-/// Views that are named in one deviation.
+/// Largest number of views that are named in one deviation.
 const MOST_NAMED: usize = 4;
 
-/// How many photos there are of each texture at each place and planned bin.
+/// Number of photos of each texture at each place and planned bin.
 type Photos<'a> = BTreeMap<(&'a str, &'a str, Bin), usize>;
 
-/// Places and views that are missing or repeated, and photos that a plan does not ask for.
+/// Returns deviations: places and views that are missing or repeated, and photos that a plan does not have.
 pub(super) fn deviations(plan: &SealedPlan, scores: &Scores, comparison: &Comparison) -> Vec<String> {
     let planned: Vec<Bin> = plan.views.iter().map(|view| bin(*view)).collect();
     let mut photos = Photos::new();
@@ -49,7 +49,7 @@ pub(super) fn deviations(plan: &SealedPlan, scores: &Scores, comparison: &Compar
     all
 }
 
-/// Another number of places; fewer where it was decided earlier are as planned.
+/// Returns a deviation for another number of places; fewer where it was decided earlier are as planned.
 fn of_places(plan: &SealedPlan, scores: &Scores, comparison: &Comparison) -> Option<String> {
     let (planned, here) = (usize::from(plan.places), places(scores).len());
     let is_ended = plan
@@ -62,7 +62,7 @@ fn of_places(plan: &SealedPlan, scores: &Scores, comparison: &Comparison) -> Opt
     })
 }
 
-/// Planned views without a photo of a texture; those of the last place may be missing where it was decided there.
+/// Returns the planned views without a photo of a texture; those of the last place may be missing where it was decided there.
 fn missing(
     texture: &str,
     plan: &SealedPlan,
@@ -94,7 +94,7 @@ fn places(scores: &Scores) -> BTreeSet<&str> {
     photos.map(|photo| photo.place.as_deref().unwrap_or_default()).collect()
 }
 
-/// Whether the photos of a texture end with the pair that decided: then views of the last place may be missing.
+/// Returns true if the photos of a texture end with the pair that decided: then views of the last place may be missing.
 fn ends_decided(plan: &SealedPlan, comparison: &Comparison, texture: &str) -> bool {
     let Some(sequential) = &comparison.sequential else {
         return false;
@@ -110,7 +110,7 @@ fn ends_decided(plan: &SealedPlan, comparison: &Comparison, texture: &str) -> bo
     last.is_some_and(|last| last.into_iter().max() == own.first().map(|course| course.looks))
 }
 
-/// Where photos of a texture were taken, in the order of their list.
+/// Returns the places of the photos of a texture, in the order of their list.
 fn places_in_order<'a>(scores: &'a Scores, texture: &str) -> Vec<&'a str> {
     let own = scores.photos.iter().filter(|photo| photo.variant == texture);
     distinct(own.map(|photo| photo.place.as_deref().unwrap_or_default()))

@@ -1,5 +1,7 @@
 //! A table with a header, one photo a line.
 
+use std::collections::BTreeMap;
+
 use csv::{Position, ReaderBuilder, StringRecord};
 
 use super::{ImportFault, ImportedPhoto, ImportedRows, viewpoint};
@@ -50,6 +52,7 @@ pub fn parse(text: &str, _: &Classes) -> Result<ImportedRows, ImportFault> {
 /// Where each of [`COLUMNS`] stands.
 fn columns(header: &StringRecord) -> Result<[Option<usize>; 10], ImportFault> {
     let wanted = COLUMNS.join(",");
+    let mut places = BTreeMap::new();
     for (i, name) in header.iter().enumerate() {
         if !COLUMNS.contains(&name) && !is_condition(name) {
             let message = format!(
@@ -57,15 +60,15 @@ fn columns(header: &StringRecord) -> Result<[Option<usize>; 10], ImportFault> {
             );
             return Err(ImportFault::at("line 1", message));
         }
-        if header.iter().take(i).any(|other| other == name) {
+        if places.insert(name, i).is_some() {
             return Err(ImportFault::at("line 1", format!("the column {name} is there twice")));
         }
     }
-    if let Some(name) = NEEDED.iter().find(|name| !header.iter().any(|h| h == **name)) {
+    if let Some(name) = NEEDED.iter().find(|name| !places.contains_key(**name)) {
         let message = format!("the header has no column {name}: it is {wanted}");
         return Err(ImportFault::at("line 1", message));
     }
-    Ok(COLUMNS.map(|name| header.iter().position(|h| h == name)))
+    Ok(COLUMNS.map(|name| places.get(name).copied()))
 }
 
 /// Whether a column that is none of [`COLUMNS`] can be a condition, and not one of them misspelt.

@@ -1,0 +1,5 @@
+#![no_main]
+
+use scaleproof_fuzz as entry;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| entry::ffprobe(bytes));
