@@ -1,5 +1,7 @@
 //! Adam (Kingma & Ba, ICLR 2015, algorithm 1).
 
+use crate::layers::Number;
+
 const BETA: [f64; 2] = [0.9, 0.999];
 
 /// How a list of numbers is moved against its gradient.
@@ -10,34 +12,17 @@ pub struct Adam {
     pub epsilon: f64,
 }
 
-/// A number that is stored in so many bits and computed with in 64.
-pub trait Stored: Copy + Into<f64> {
-    fn stored(number: f64) -> Self;
-}
-
-impl Stored for f32 {
-    fn stored(number: f64) -> Self {
-        number as f32
-    }
-}
-
-impl Stored for f64 {
-    fn stored(number: f64) -> Self {
-        number
-    }
-}
-
 impl Adam {
     /// Step number `step`, the first being 1; the moments are 0 before it.
-    pub fn step<N: Stored>(self, step: i32, numbers: &mut [N], gradient: &[N], [first, second]: [&mut [N]; 2]) {
+    pub fn step<N: Number>(self, step: i32, numbers: &mut [N], gradient: &[N], [first, second]: [&mut [N]; 2]) {
         let unbias = BETA.map(|beta| 1.0 - beta.powi(step));
         let moments = first.iter_mut().zip(second);
         for ((x, g), (first, second)) in numbers.iter_mut().zip(gradient).zip(moments) {
-            let g: f64 = (*g).into();
-            let m = BETA[0] * (*first).into() + (1.0 - BETA[0]) * g;
-            let v = BETA[1] * (*second).into() + (1.0 - BETA[1]) * g * g;
+            let g = g.wide();
+            let m = BETA[0] * first.wide() + (1.0 - BETA[0]) * g;
+            let v = BETA[1] * second.wide() + (1.0 - BETA[1]) * g * g;
             let by = self.learning_rate * (m / unbias[0]) / ((v / unbias[1]).sqrt() + self.epsilon);
-            (*first, *second, *x) = (N::stored(m), N::stored(v), N::stored((*x).into() - by));
+            (*first, *second, *x) = (N::of(m), N::of(v), N::of(x.wide() - by));
         }
     }
 }

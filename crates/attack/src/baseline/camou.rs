@@ -38,7 +38,7 @@ const CHANNELS: usize = 16;
 /// Units of the layer before the last.
 const HIDDEN: usize = 32;
 const KERNEL: Kernel = Kernel {
-    size: [3, 3],
+    size: 3,
     stride: 1,
     padding: 0,
 };
@@ -55,7 +55,7 @@ pub struct Clone2d {
 }
 
 impl Clone2d {
-    /// Weights and biases are uniform within 1/√inputs, as PyTorch draws those of its layers.
+    /// Weights and biases are uniform within 1/√inputs (Kaiming's law with a = √5).
     pub fn new(side: usize, rng: &mut impl Rng) -> Self {
         // Two convolutions take four cells off.
         let flat = 2 * CHANNELS * (side - 4) * (side - 4);

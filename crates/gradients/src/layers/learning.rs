@@ -30,10 +30,11 @@ impl Output {
     }
 }
 
-/// Rows and columns of a convolution's kernel, and how it moves.
+/// A convolution's kernel, and how it moves.
 #[derive(Debug, Clone, Copy)]
 pub struct Kernel {
-    pub size: [usize; 2],
+    /// Rows, and columns.
+    pub size: usize,
     pub stride: usize,
     /// Zeros on every side of the image.
     pub padding: usize,
@@ -92,11 +93,11 @@ impl Network {
 
     /// `weights`: outputs × channels × kernel. They are what is learnt next, and the biases, one an output, after them.
     pub fn convolution(&mut self, x: Output, kernel: Kernel, [weights, biases]: [&[f32]; 2]) -> Output {
-        let along = |axis: usize| (x.size[axis] + 2 * kernel.padding - kernel.size[axis]) / kernel.stride + 1;
+        let along = |axis: usize| (x.size[axis] + 2 * kernel.padding - kernel.size) / kernel.stride + 1;
         let windows = Windows {
             channels: x.channels,
             image: x.size,
-            kernel: kernel.size,
+            kernel: [kernel.size; 2],
             stride: [kernel.stride; 2],
             dilation: [1; 2],
             before: [kernel.padding; 2],
@@ -122,14 +123,19 @@ impl Network {
         output
     }
 
-    /// Every output from all numbers of x: the convolution whose kernel is as large as x.
+    /// Every output from all numbers of x: a convolution of one pixel, whose channels these are.
     pub fn linear(&mut self, x: Output, lists: [&[f32]; 2]) -> Output {
         let kernel = Kernel {
-            size: x.size,
+            size: 1,
             stride: 1,
             padding: 0,
         };
-        self.convolution(x, kernel, lists)
+        let pixel = Output {
+            slot: x.slot,
+            channels: x.count(),
+            size: [1, 1],
+        };
+        self.convolution(pixel, kernel, lists)
     }
 
     pub fn relu(&mut self, x: Output) -> Output {

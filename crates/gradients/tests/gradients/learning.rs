@@ -11,7 +11,7 @@ const LENGTHS: [usize; 8] = [4 * 2 * 9, 4, 4 * 4 * 9, 4, 3 * 6, 3, 5 * 3 * 4 * 6
 fn network(lists: &[Vec<f32>], by: By) -> Network {
     let list = |layer: usize| [&lists[2 * layer][..], &lists[2 * layer + 1]];
     let kernel = |size, stride| Kernel {
-        size: [size; 2],
+        size,
         stride,
         padding: size / 2,
     };

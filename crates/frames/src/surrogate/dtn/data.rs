@@ -74,6 +74,11 @@ impl PaintWindow {
         }
     }
 
+    /// Rows and columns.
+    pub(super) fn size(self) -> [usize; 2] {
+        [self.height, self.width]
+    }
+
     pub(super) fn pixels(self) -> usize {
         self.width * self.height
     }

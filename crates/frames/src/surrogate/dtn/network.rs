@@ -11,7 +11,6 @@ use rand_pcg::Pcg32;
 use serde::{Deserialize, Serialize};
 
 use super::Transformer;
-use super::data::PaintWindow;
 use scaleproof_gradients::layers::learning::{By, Kernel, Network, Output};
 
 /// How the encoder's convolutions are connected.
@@ -169,10 +168,10 @@ impl LayerShapes {
         weights
     }
 
-    /// The network for a window, whose sizes are multiples of [`Architecture::ALIGN_PX`]: from the reference image, sRGB 0 to 1, 0 outside the paint,
-    /// channel by channel, to TF. `weights` fit ([`LayerShapes::fits`]).
-    pub(super) fn network(&self, weights: &[Vec<f32>], window: PaintWindow) -> Network {
-        let (network, reference) = Network::new(3, [window.height, window.width], By::Weights);
+    /// The network for a window of so many rows and columns, multiples of [`Architecture::ALIGN_PX`]: from the reference image, sRGB 0 to 1, 0 outside the
+    /// paint, channel by channel, to TF. `weights` fit ([`LayerShapes::fits`]).
+    pub(super) fn network(&self, weights: &[Vec<f32>], size: [usize; 2]) -> Network {
+        let (network, reference) = Network::new(3, size, By::Weights);
         let layers = self.convs.iter().zip(weights.chunks_exact(2));
         let mut next = Layers { network, layers };
         let mut sizes = vec![reference];
@@ -220,7 +219,7 @@ impl<'a, I: Iterator<Item = (&'a Conv, &'a [Vec<f32>])>> Layers<I> {
             return x;
         };
         let kernel = Kernel {
-            size: [conv.kernel; 2],
+            size: conv.kernel,
             stride: conv.stride,
             padding: conv.kernel / 2,
         };

@@ -27,7 +27,7 @@ impl DtnNetwork {
         let at = window.middle(paint);
         window.fill(&mut input, paint, at, reference);
         let maps = LayerShapes::new(self.architecture)
-            .network(&self.weights, window)
+            .network(&self.weights, window.size())
             .output(input);
         let channels = self.architecture.transformer.channels();
         let (maps, pixels) = (&maps, window.pixels());

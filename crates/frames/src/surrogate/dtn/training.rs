@@ -168,7 +168,7 @@ impl Trainer {
         let share = 1.0 / batch.len() as f64;
         let loss =
             |sample: &Sample, maps: &[f32]| loss(self.plan.architecture.transformer, (sample, share), window, maps);
-        let network = LayerShapes::new(self.plan.architecture).network(&self.weights, window);
+        let network = LayerShapes::new(self.plan.architecture).network(&self.weights, window.size());
         let (loss, gradients) = network.loss_and_derivatives(&batch, image, loss);
         require(loss.is_finite(), || self.broken_down())?;
         self.move_weights(&gradients);
