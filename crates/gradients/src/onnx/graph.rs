@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::run::{Places, Slot, Step, ToWhole, Work};
-use super::term::{Held, Kind, Numbers, Result, Term, bounded};
+use super::run::{Places, Step, ToWhole, Work};
+use super::term::{Held, Kind, Numbers, Result, Slot, Term, bounded};
 use crate::NetworkFault;
 use crate::layers::{Layer, Moved, Number};
 

@@ -8,8 +8,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::graph::Graph;
-use super::run::{Slot, Step, Work};
-use super::term::{Held, Term};
+use super::run::{Step, Work};
+use super::term::{Held, Slot, Term};
 use crate::layers::{Moved, Number};
 
 /// Leads outputs past the last sigmoids. Answers, for each, which of its numbers are logits now; nothing where none is.

@@ -4,8 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::graph::Graph;
 use super::operator::{Inputs, Operator};
-use super::run::IMAGE;
-use super::term::{Held, Kind, NEVER_COMPUTED, Result, Term};
+use super::term::{Held, IMAGE, Kind, NEVER_COMPUTED, Result, Term};
 use super::{arithmetic, choice, combine, convolution, elementwise, rearrange, resize, shapes};
 use crate::layers::Number;
 use crate::{NetworkFault, WhiteBoxError};

@@ -3,13 +3,8 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use super::term::{NEVER_COMPUTED, Numbers, Result};
+use super::term::{IMAGE, NEVER_COMPUTED, Numbers, Result, Slot};
 use crate::layers::{Activation, Back, Layer, Moved, Number, Sums};
-
-pub(super) type Slot = usize;
-
-/// Where the image's numbers are.
-pub(super) const IMAGE: Slot = 0;
 
 /// Where in a tensor computed indices point.
 pub(super) type Places = dyn Fn(&[i64]) -> Result<Vec<usize>> + Send + Sync;

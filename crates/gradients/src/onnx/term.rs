@@ -2,10 +2,15 @@
 
 use std::sync::Arc;
 
-use super::run::Slot;
 use crate::NetworkFault;
 use crate::layers::{Array, Number};
 use scaleproof_detect::onnx_model;
+
+/// A place of its own for the numbers of each tensor of an image.
+pub(super) type Slot = usize;
+
+/// Where the image's numbers are.
+pub(super) const IMAGE: Slot = 0;
 
 pub(super) type Result<T> = std::result::Result<T, NetworkFault>;
 
