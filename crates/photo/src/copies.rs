@@ -1,4 +1,4 @@
-//! Copies of photos with something drawn in: where they go, so that no photo and no file of somebody else's is replaced.
+//! Placement of annotated copies of photos, such that no photo and no foreign file is replaced.
 
 use std::collections::BTreeSet;
 use std::io::Read;
@@ -10,13 +10,13 @@ use scaleproof_core::files::{self, FileError};
 
 use crate::photo::PhotoError;
 
-/// Stands in a JPEG's comment: such a file may be replaced by the next run.
+/// Mark in a JPEG's comment: a file with it may be replaced by the next run.
 const MARK: &[u8] = b"drawn by scaleproof";
 
-/// Of a JPEG, 1 to 100.
+/// JPEG quality, 1 to 100.
 const QUALITY: u8 = 90;
 
-/// Why there are no copies.
+/// Reason why there are no copies.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CopiesError {
@@ -36,8 +36,8 @@ pub enum CopiesError {
     },
 }
 
-/// Where the copy of each photo goes, as the option of this name asks; `named` gives a name by the photo's own without its ending, and a number from 1
-/// for those of one name.
+/// Returns the path of each photo's copy in `folder`; `option` is the name of the option for messages. `named` makes a file name from the photo's own
+/// without its ending, and a number from 1 for those of the same name.
 pub fn places(
     folder: &Path,
     photos: &[PathBuf],
@@ -59,7 +59,7 @@ pub fn places(
     let mut taken = BTreeSet::new();
     let mut free_name = |photo: &PathBuf| {
         let stem = photo.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        // One of the first is free: each photo takes one.
+        // A free name is found among the first ones: each photo takes one.
         let name = (1..)
             .map(|number| named(&stem, number))
             .find(|name| !taken.contains(name));
@@ -90,7 +90,7 @@ pub fn write(place: &Path, image: &RgbImage) -> Result<(), CopiesError> {
     )?)
 }
 
-/// Whether a file begins as [`marked`] begins it.
+/// Returns true if a file begins with the mark of [`marked`].
 fn is_drawn(path: &Path) -> bool {
     let mut start = Vec::new();
     let is_file = path.symlink_metadata().is_ok_and(|about| about.is_file());
@@ -98,7 +98,7 @@ fn is_drawn(path: &Path) -> bool {
     matches!(read, Some(Ok(_))) && start.starts_with(&marked(&[0xFF, 0xD8]))
 }
 
-/// The JPEG with the mark as its first segment, a comment (ITU-T T.81, B.2.4.5).
+/// Inserts the mark into a JPEG as its first segment, a comment (ITU-T T.81, B.2.4.5).
 fn marked(jpeg: &[u8]) -> Vec<u8> {
     let length = (MARK.len() as u16 + 2).to_be_bytes();
     let rest = jpeg.get(2..).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! What papers do to an image before a network looks at it, to give back what an attack took.
+//! Published input transformations that remove the effect of an attack before a network runs.
 
 mod frame;
 mod pixels;
@@ -11,25 +11,25 @@ use crate::photo::as_jpeg;
 
 pub use frame::Frame;
 
-/// A published transformation of the input, with its amount.
+/// Published transformation of the input, with its amount.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Defence {
-    /// Compressed with this quality.
+    /// JPEG compression with this quality.
     Jpeg(u8),
-    /// Each value rounded to one of 2ⁿ.
+    /// Rounding of each value to one of 2ⁿ levels.
     BitDepth(u8),
-    /// Each value the median over a square of so many pixels a side.
+    /// Median over a square of this side, px.
     Median(u8),
-    /// Made larger by a random amount, and padded with black at random.
+    /// Enlargement by a random amount, and random padding with black.
     ResizePad,
-    /// So many random crops, whose detections are averaged.
+    /// This number of random crops, whose detections are averaged.
     Crops(u8),
 }
 
-/// A kind: its name, its amount where none is given, the least and the most, what it does, and who tests it.
+/// Kind of defence: its name, its default, minimum and maximum amount, its effect, and its source.
 type Kind = (&'static str, Option<[u8; 3]>, &'static str, &'static str);
 
-/// In the order of [`Defence`].
+/// Kinds in the order of [`Defence`].
 const KINDS: [Kind; 5] = [
     (
         "jpeg",
@@ -63,20 +63,20 @@ const KINDS: [Kind; 5] = [
     ),
 ];
 
-/// Xie et al.: images of 299 px are made 310 to 330 px large, then padded to 331 px.
+/// Sizes by Xie et al.: images of 299 px are enlarged to 310 to 330 px, then padded to 331 px.
 const RESIZED: [u32; 4] = [299, 310, 330, 331];
 
-/// Of the sides: a crop to 40 %, as of photos that one object fills, would cut the object that is looked for.
+/// Side of a crop as a share of the picture's: a crop to 40 %, as of photos filled by one object, would cut off the object to be detected.
 const CROP: f64 = 0.8;
 
 impl Defence {
-    /// What their names begin with.
+    /// Names without amounts.
     pub const NAMES: [&str; 5] = [KINDS[0].0, KINDS[1].0, KINDS[2].0, KINDS[3].0, KINDS[4].0];
 
-    /// Reads a name with or without an amount, as in `jpeg` or `jpeg=50`.
+    /// Parses a name with or without an amount, as in `jpeg` or `jpeg=50`.
     ///
     /// # Errors
-    /// What is wrong with it, as a sentence.
+    /// The fault, as a sentence.
     pub fn named(text: &str) -> Result<Self, String> {
         let (name, amount) = text.split_once('=').map_or((text, None), |(name, n)| (name, Some(n)));
         let Some(at) = KINDS.iter().position(|kind| kind.0 == name) else {
@@ -105,7 +105,7 @@ impl Defence {
         })
     }
 
-    /// With its amount, as [`Defence::named`] reads it.
+    /// Returns the name with its amount, as [`Defence::named`] parses it.
     pub fn name(self) -> String {
         let name = self.kind().0;
         match self {
@@ -114,12 +114,12 @@ impl Defence {
         }
     }
 
-    /// What it does, as the end of a sentence.
+    /// Returns its effect, as the end of a sentence.
     pub fn does(self) -> &'static str {
         self.kind().2
     }
 
-    /// Who tests it: authors and year.
+    /// Returns its source: authors and year.
     pub fn source(self) -> &'static str {
         self.kind().3
     }
@@ -134,7 +134,7 @@ impl Defence {
         }]
     }
 
-    /// The cuttings of a picture of width × height `size`, px, that a network looks at in its place: most often one. What is random follows from `seed`.
+    /// Returns the frames that replace a picture of width × height `size`, px: mostly one. Random choices follow from `seed`.
     pub fn frames(self, size: [u32; 2], seed: u64) -> Vec<Frame> {
         let mut rng = Pcg32::seed_from_u64(seed);
         match self {
@@ -154,7 +154,7 @@ impl Defence {
         }
     }
 
-    /// The image of one of these cuttings; `None` where no JPEG can be made of it.
+    /// Returns the image of one of these frames; `None` if it cannot be encoded as JPEG.
     pub fn image(self, picture: &RgbImage, frame: &Frame) -> Option<RgbImage> {
         Some(match self {
             Self::Jpeg(quality) => as_jpeg(picture, quality)?,

@@ -1,26 +1,26 @@
-//! Lines, outlines and labels in images. Pixel (0, 0) is the centre of the top-left pixel.
+//! Drawing of lines, outlines and labels in images. Pixel (0, 0) is the centre of the top-left pixel.
 //!
-//! Whatever lies outside the image, or is no number, is simply not drawn. Same input, same pixels.
+//! Anything outside the image, or at a position that is not finite, is not drawn. Same input, same pixels.
 
 use ab_glyph::{Font, FontRef, OutlinedGlyph, ScaleFont, point};
 use image::Rgb;
 pub use image::RgbImage;
 use scaleproof_core::geometry::to_segment;
 
-/// Space around a label's text, by the size of its letters.
+/// Space around a label's text, relative to the font size.
 const MARGIN: f64 = 0.3;
 
-/// An sRGB colour, 8 bit.
+/// sRGB colour, 8 bit.
 pub type DrawColour = [u8; 3];
 
-/// What a line looks like.
+/// Colour and width of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pen {
     pub colour: DrawColour,
     pub width_px: f64,
 }
 
-/// What a label looks like: letters of a colour on a ground, their height from the tallest to the lowest.
+/// Appearance of a label: colours of text and ground, and the height of letters including descenders.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lettering {
     pub colour: DrawColour,
@@ -30,15 +30,15 @@ pub struct Lettering {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LabelAnchor {
-    /// The place is the label's top-left corner.
+    /// Top-left corner of the label.
     TopLeft,
-    /// The place is the label's bottom-left corner: a label that sits on a box.
+    /// Bottom-left corner of the label: for a label on top of a box.
     BottomLeft,
-    /// The place is the label's centre.
+    /// Centre of the label.
     Centre,
 }
 
-/// The line width and the height of letters, px, that are readable when an image is seen whole on a screen.
+/// Returns the line width and the height of letters, px, that are legible when the whole image is shown on a screen.
 pub fn readable_px(image: &RgbImage) -> (f64, f64) {
     let longest = f64::from(image.width().max(image.height()));
     ((longest / 700.0).max(1.5), (longest / 70.0).max(11.0))
@@ -68,20 +68,20 @@ pub fn line(image: &mut RgbImage, from: [f64; 2], to: [f64; 2], pen: Pen) {
     }
 }
 
-/// Lines from each corner to the next, and from the last to the first.
+/// Draws lines from each corner to the next, and from the last to the first.
 pub fn polygon(image: &mut RgbImage, corners: &[[f64; 2]], pen: Pen) {
     for (i, corner) in corners.iter().enumerate() {
         line(image, *corner, corners[(i + 1) % corners.len()], pen);
     }
 }
 
-/// The outline of an upright rectangle between two opposite corners.
+/// Draws the outline of an upright rectangle between two opposite corners.
 pub fn rectangle(image: &mut RgbImage, one: [f64; 2], other: [f64; 2], pen: Pen) {
     polygon(image, &[one, [other[0], one[1]], other, [one[0], other[1]]], pen);
 }
 
-/// Text on a ground, moved as far as it takes to lie inside the image, and cut where it is larger than that. `\n` starts a new
-/// line; a letter outside Latin-1 becomes a question mark.
+/// Draws text on a ground, moved as far as needed to lie inside the image, and clipped if it is larger. `\n` starts a new line; a letter outside
+/// Latin-1 becomes a question mark.
 pub fn label(image: &mut RgbImage, at: [f64; 2], anchor: LabelAnchor, text: &str, lettering: Lettering) {
     let Some([left, top, width, height]) = placed(image, at, anchor, text, lettering.size_px) else {
         return;
@@ -102,7 +102,7 @@ pub fn label(image: &mut RgbImage, at: [f64; 2], anchor: LabelAnchor, text: &str
     }
 }
 
-/// Width and height that a label takes, px.
+/// Returns width and height of a label, px.
 pub fn label_size_px(text: &str, size_px: f64) -> [f64; 2] {
     let Some(font) = font() else { return [0.0; 2] };
     let scaled = font.as_scaled(size_px as f32);
@@ -116,13 +116,13 @@ pub fn label_size_px(text: &str, size_px: f64) -> [f64; 2] {
     ]
 }
 
-/// From line to line, px.
+/// Returns the distance from line to line, px.
 fn line_height(size_px: f64) -> f64 {
     1.15 * size_px
 }
 
-/// Left, top, width and height of a label in whole pixels, inside the image; the top-left is kept where it is too large. `None`
-/// where the place is no number.
+/// Returns left, top, width and height of a label in whole pixels, moved inside the image; if it is too large, its top-left corner is kept. `None` if
+/// the position is not finite.
 fn placed(image: &RgbImage, at: [f64; 2], anchor: LabelAnchor, text: &str, size_px: f64) -> Option<[i64; 4]> {
     let [width, height] = label_size_px(text, size_px).map(f64::ceil);
     let [left, top] = match anchor {
@@ -136,7 +136,7 @@ fn placed(image: &RgbImage, at: [f64; 2], anchor: LabelAnchor, text: &str, size_
     is_number.then(|| [corner[0], corner[1], width as i64, height as i64])
 }
 
-/// The letters of a label at their places, without margins; blanks have no outline.
+/// Returns the letters of a label at their positions, without margins; blanks have no outline.
 fn glyphs(text: &str, size_px: f64) -> Vec<OutlinedGlyph> {
     let Some(font) = font() else { return Vec::new() };
     let scaled = font.as_scaled(size_px as f32);
@@ -152,8 +152,8 @@ fn glyphs(text: &str, size_px: f64) -> Vec<OutlinedGlyph> {
     outlined
 }
 
-/// DejaVu Sans, Latin-1 only; where it comes from and its licence are in `print/fonts`. It is part of the program, so that it is always there;
-/// a test holds it.
+/// Returns DejaVu Sans, Latin-1 only; its origin and licence are in `print/fonts`. It is part of the program, so it is always available; a test
+/// checks this.
 fn font() -> Option<FontRef<'static>> {
     FontRef::try_from_slice(scaleproof_core::FONT).ok()
 }
@@ -165,7 +165,7 @@ fn shown(c: char) -> char {
     }
 }
 
-/// A line's part within reach of the image (Liang & Barsky 1984).
+/// Clips a line to the neighbourhood of the image (Liang & Barsky 1984).
 fn clipped(image: &RgbImage, from: [f64; 2], to: [f64; 2], width_px: f64) -> Option<[[f64; 2]; 2]> {
     if !from.iter().chain(&to).all(|v| v.is_finite()) || !(0.0..10_000.0).contains(&width_px) {
         return None;
@@ -190,7 +190,7 @@ fn clipped(image: &RgbImage, from: [f64; 2], to: [f64; 2], width_px: f64) -> Opt
     (enter <= leave).then(|| [at(enter), at(leave)])
 }
 
-/// Mixes a colour into a pixel by how much of it is covered; nothing outside the image.
+/// Blends a colour into a pixel by its covered share; does nothing outside the image.
 fn blend(image: &mut RgbImage, [x, y]: [i64; 2], colour: DrawColour, covered: f64) {
     let (Ok(x), Ok(y)) = (u32::try_from(x), u32::try_from(y)) else {
         return;

@@ -1,4 +1,4 @@
-//! A photo: what decoding it may cost, its pixels upright and at any size, its EXIF; lines and labels drawn into images.
+//! Photos: limits on the cost of decoding, upright pixels at any size, EXIF; lines and labels drawn into images.
 //!
 //! Every image is measured by its header before it is decoded ([`photo::Budget`]), and photos are turned as EXIF says.
 //!

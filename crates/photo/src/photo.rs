@@ -1,4 +1,4 @@
-//! Photos: decoded upright and only as far as somebody needs them, or refused with the reason. A file is never written back.
+//! Photos, decoded upright and only as far as needed, or refused with a reason. A file is never written back.
 
 mod budget;
 mod cubic;
@@ -37,7 +37,7 @@ pub use problem::DecodeProblem;
 pub use resample::{Filter, resampled};
 pub use resize::{boxed, doubled, fitting, grey_resized, opencv_linear, shrunk};
 
-/// Why a photo could not be used.
+/// Reason why a photo could not be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PhotoError {
@@ -57,7 +57,7 @@ pub enum PhotoError {
     Damaged { path: PathBuf, reason: String },
 }
 
-/// An upright picture as the sensor saw it, which was turned clockwise by 0, 90, 180 or 270°.
+/// Rotates an upright picture back to the sensor's orientation, which was turned clockwise by 0, 90, 180 or 270°.
 pub fn turned_to_sensor(upright: GrayImage, turned_deg: u32) -> GrayImage {
     match turned_deg {
         90 => imageops::rotate270(&upright),
@@ -69,7 +69,7 @@ pub fn turned_to_sensor(upright: GrayImage, turned_deg: u32) -> GrayImage {
 
 pub const IPHONE_TO_JPEG: &str = "set the iPhone to Settings › Camera › Formats › Most Compatible";
 
-/// What to do with an HEIC, HEIF or AVIF image, which is read where the system has a decoder for it.
+/// Returns advice for an HEIC, HEIF or AVIF image, which is read if the system has a decoder for it.
 pub fn heif_remedy(path: &Path, kind: &str) -> String {
     let [from, to] =
         [path, &files::free_place(&path.with_extension("jpg"))].map(|path| quoted(&path.to_string_lossy()));
@@ -93,22 +93,22 @@ fn heif_sentence(path: &Path, kind: &str) -> String {
     )
 }
 
-/// How much smaller a JPEG can be decoded: its blocks of 8 × 8 pixels come back as 1 × 1, 2 × 2 or 4 × 4.
+/// Factors by which a JPEG can be decoded reduced: its blocks of 8 × 8 pixels become 1 × 1, 2 × 2 or 4 × 4.
 pub const REDUCTIONS: [u32; 3] = [8, 4, 2];
 
-/// A photo: its file is read and hashed and its header understood. The data of a JPEG is decoded once, when pixels are first requested;
-/// damage inside shows then. Pixels of any size follow from what is kept of it.
+/// Photo whose file is read and hashed and whose header is parsed. The data of a JPEG is decoded once, when pixels are first requested; damage inside
+/// is found then. Pixels of any size are computed from the decoded coefficients.
 #[derive(Debug)]
 pub struct Photo {
     path: PathBuf,
     bytes: Vec<u8>,
-    /// SHA-256 of the file, hex; of an HEIC file that of its PNG.
+    /// SHA-256 of the file, hex; for an HEIC file of its PNG.
     pub sha256: String,
     /// Width of the upright photo, px.
     pub width: u32,
     /// Height of the upright photo, px.
     pub height: u32,
-    /// How far EXIF turns the sensor's image clockwise to make it upright: 0, 90, 180 or 270. A mirrored image is mirrored back besides.
+    /// Clockwise rotation, by EXIF, that makes the sensor's image upright: 0, 90, 180 or 270. A mirrored image is mirrored back in addition.
     pub turned_deg: u32,
     exif: Option<Vec<u8>>,
     header: Header,
@@ -117,15 +117,15 @@ pub struct Photo {
 }
 
 impl Photo {
-    /// Reads a JPEG or PNG file, whatever its name says; an HEIC file as a PNG, where the system has a decoder. A cut JPEG is refused here
-    /// already; of one whose data is complete, [`Photo::note`] tells.
+    /// Reads a JPEG or PNG file, regardless of its name; an HEIC file as a PNG, if the system has a decoder. Returns an error for a truncated JPEG;
+    /// [`Photo::note`] reports one whose data is complete.
     pub fn open(path: &Path) -> Result<Photo, PhotoError> {
         let bytes = files::read_at_most(path, Budget::FILE.bytes)?;
         let is_heif = heif_kind(&bytes).is_some();
         let Some(png) = (if is_heif { heif::as_png(path, &bytes)? } else { None }) else {
             return Photo::from_bytes(path, bytes, Budget::FILE);
         };
-        // Its pixels are upright; how the sensor lay is for the camera.
+        // Its pixels are upright; the camera needs the sensor's orientation.
         let exif = heif::exif(&bytes);
         Ok(Photo {
             turned_deg: turned_deg(exif_tags::orientation(exif.as_deref())),
@@ -134,13 +134,13 @@ impl Photo {
         })
     }
 
-    /// Reads a JPEG or PNG from bytes in memory, within a budget; `path` is what messages call them.
+    /// Reads a JPEG or PNG from bytes in memory, within a budget; `path` is their name in messages.
     pub fn from_bytes(path: &Path, bytes: Vec<u8>, budget: Budget) -> Result<Photo, PhotoError> {
         let mut header = Header::read(&bytes, &budget).map_err(|problem| problem.at(path))?;
         let [width, height] = header.upright_size();
         let coefficients = OnceLock::new();
         if header.lacks_end() {
-            // Only its data tells whether it is whole.
+            // Only decoding shows if it is complete.
             let read = header.coefficients(&bytes, &budget);
             let read = read.map_err(|problem| match problem {
                 DecodeProblem::Damaged(_) => DecodeProblem::Truncated.at(path),
@@ -164,53 +164,53 @@ impl Photo {
         })
     }
 
-    /// The file's bytes as they were read.
+    /// Returns the file's bytes as they were read.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 
-    /// The file's bytes as they were read, without a copy.
+    /// Returns the file's bytes as they were read, without a copy.
     pub fn into_bytes(self) -> Vec<u8> {
         self.bytes
     }
 
-    /// What EXIF says about the lens.
+    /// Returns the lens data from EXIF.
     pub fn lens(&self) -> Lens {
         exif_tags::read(self.exif.as_deref())
             .map(Lens::from_exif)
             .unwrap_or_default()
     }
 
-    /// When and how it was taken, as EXIF says.
+    /// Returns time and exposure from EXIF.
     pub fn shot(&self) -> Shot {
         exif_tags::read(self.exif.as_deref())
             .map(Shot::from_exif)
             .unwrap_or_default()
     }
 
-    /// How many bytes decoding at 1/`reduction` of the size holds.
+    /// Returns the memory in bytes for decoding at 1/`reduction` of the size.
     pub fn memory(&self, reduction: u32) -> u64 {
         self.header.cost.memory(reduction)
     }
 
-    /// What is unusual about its file and does no harm, as a sentence.
+    /// Returns a harmless peculiarity of its file, as a sentence.
     pub fn note(&self) -> Option<String> {
         let path = self.path.display();
         let sentence = || format!("{path} has no end-of-image marker, as a copy that was cut; its data is complete");
         self.header.lacks_end().then(sentence)
     }
 
-    /// `jpg` or `png`, by the content.
+    /// Returns `jpg` or `png`, by the content.
     pub fn extension(&self) -> &'static str {
         if self.header.colours().is_some() { "jpg" } else { "png" }
     }
 
-    /// A JPEG for print, whose colours depend on a printer.
+    /// Returns true for a JPEG for print, whose colours depend on a printer.
     pub fn is_cmyk(&self) -> bool {
         matches!(self.header.colours(), Some(Colours::Cmyk | Colours::Ycck))
     }
 
-    /// Luma at full size, upright: the Y' that a JPEG stores (ITU-T T.871), else computed from the colours. Every tag and every board is
+    /// Returns luma at full size, upright: the Y' that a JPEG stores (ITU-T T.871), else computed from the colours. Every tag and every board is
     /// measured on it.
     pub fn luma(&self) -> Result<GrayImage, PhotoError> {
         match self.coefficients()? {
@@ -219,7 +219,7 @@ impl Photo {
         }
     }
 
-    /// Luma at full size, upright, as of [`Photo::luma`]; where a JPEG stores it, pixels are only computed where somebody looks.
+    /// Returns luma at full size, upright, as [`Photo::luma`]; if a JPEG stores it, pixels are computed only where they are read.
     ///
     /// # Errors
     /// As [`Photo::luma`]: damage shows here.
@@ -233,7 +233,7 @@ impl Photo {
         })
     }
 
-    /// What a JPEG's data says, read when it is first needed; `None` for a PNG.
+    /// Returns a JPEG's coefficients, read when they are first needed; `None` for a PNG.
     fn coefficients(&self) -> Result<Option<&Coefficients>, PhotoError> {
         if let Some(read) = self.coefficients.get() {
             return Ok(Some(read));
@@ -243,12 +243,12 @@ impl Photo {
         Ok(read.map(|read| self.coefficients.get_or_init(|| read)))
     }
 
-    /// Luma in the sensor's own frame, which EXIF's turn does not touch: one camera holds for photos held any way.
+    /// Returns luma in the sensor's own frame, not rotated by EXIF: one camera model is valid for photos in any orientation.
     pub fn sensor_luma(&self) -> Result<GrayImage, PhotoError> {
         Ok(turned_to_sensor(self.luma()?, self.turned_deg))
     }
 
-    /// Colours at 1/`reduction` of the size, upright; `reduction` is 1 or what [`Photo::reduction`] gave.
+    /// Returns colours at 1/`reduction` of the size, upright; `reduction` is 1 or a result of [`Photo::reduction`].
     pub fn rgb(&self, reduction: u32) -> Result<RgbImage, PhotoError> {
         match self.coefficients()? {
             Some(coefficients) => Ok(coefficients.rgb(reduction, self.header.orientation)),
@@ -256,8 +256,8 @@ impl Photo {
         }
     }
 
-    /// The colours at another size as [`opencv_linear`] makes them of the whole photo, of those rows alone that it looks at; `None` where all would be made
-    /// anyway: of a PNG, a photo that lies across, or one that hardly gets smaller.
+    /// Returns the colours resized as [`opencv_linear`] does the whole photo, computing only the rows it reads; `None` if all would be computed
+    /// anyway: for a PNG, a photo that is not upright, or one that is hardly reduced.
     pub fn rgb_opencv_linear(&self, size: [u32; 2]) -> Result<Option<RgbImage>, PhotoError> {
         let is_upright = self.header.orientation == image::metadata::Orientation::NoTransforms;
         let wanted = resize::opencv_linear_rows([self.width, self.height], size).filter(|_| is_upright);
@@ -268,9 +268,9 @@ impl Photo {
         Ok(Some(resize::opencv_linear_of(&found, &wanted, self.width, size)))
     }
 
-    /// The strongest reduction, of 8, 4, 2 and 1, that still leaves `least` pixels (width, height) of the upright image.
+    /// Returns the strongest reduction, of 8, 4, 2 and 1, that still leaves `least` pixels (width, height) of the upright image.
     ///
-    /// Only what divides both sides: then a reduced pixel is exactly a square of the photo's pixels, up to the border.
+    /// Only divisors of both sides: a reduced pixel is then exactly a square of the photo's pixels, up to the border.
     pub fn reduction(&self, least: [u32; 2]) -> u32 {
         let side_serves = |r: u32, side: u32, least: u32| side.is_multiple_of(r) && side / r >= least;
         let serves = |r: &u32| side_serves(*r, self.width, least[0]) && side_serves(*r, self.height, least[1]);

@@ -171,7 +171,7 @@ fn nothing_is_held_because_a_configuration_says_so() {
         format!("[convolutional]\nfilters={filters}\nsize={size}\nstride=1\npad=1\nactivation=leaky\n")
     };
     let tail = "[yolo]\nmask=0\nanchors=10,14\nclasses=1\nnum=1\n";
-    let weights = [&[0_u8; 20][..], &[0; 4000]].concat();
+    let weights = [&[0_u8; 16][..], &[0; 4000]].concat();
     let refusal = |cfg: &str| {
         darknet_contents_to_onnx(cfg, "x.cfg", &weights, "x.weights")
             .unwrap_err()

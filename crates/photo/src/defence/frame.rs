@@ -1,29 +1,29 @@
-//! Where in a picture the image lies that is shown in its place.
+//! Geometry of the image that replaces a picture.
 
 use image::{RgbImage, imageops};
 
 use scaleproof_core::geometry::BoxPx;
 
-/// A part of a picture, made larger perhaps, on black.
+/// Part of a picture, possibly enlarged, on black.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Frame {
     /// Left and top of the part, and its size, px of the picture.
     part: [[u32; 2]; 2],
-    /// Its size in the image, px.
+    /// Size of the part in the image, px.
     resized: [u32; 2],
-    /// Where it lies in the image, px.
+    /// Position of the part in the image, px.
     at: [u32; 2],
-    /// Of the image, px.
+    /// Size of the image, px.
     size: [u32; 2],
 }
 
 impl Frame {
-    /// All of a picture of this size, width and height, px.
+    /// Returns the frame of a whole picture of this size, width and height, px.
     pub fn whole(size: [u32; 2]) -> Self {
         Self::crop([0, 0], size)
     }
 
-    /// The part at this corner, left and top, of this size, px.
+    /// Returns the frame of the part at this corner, left and top, of this size, px.
     pub fn crop(corner: [u32; 2], size: [u32; 2]) -> Self {
         Self {
             part: [corner, size],
@@ -42,7 +42,7 @@ impl Frame {
         }
     }
 
-    /// The whole image, px of the picture; it may reach beyond.
+    /// Returns the bounds of the whole image in the picture, px; they may exceed the picture.
     pub fn window(&self) -> BoxPx {
         let [low, high] = [
             self.at.map(|at| -i64::from(at)),
@@ -60,7 +60,7 @@ impl Frame {
         )
     }
 
-    /// The image; the part is made larger without smoothing, as Xie et al. do it.
+    /// Cuts the image out of a picture; the part is enlarged without smoothing, as by Xie et al.
     pub fn cut(&self, picture: &RgbImage) -> RgbImage {
         let [[x, y], [width, height]] = self.part;
         let mut part = imageops::crop_imm(picture, x, y, width, height).to_image();

@@ -1,8 +1,8 @@
-//! Defences that change each value by itself, or by its neighbours.
+//! Defences that change each value by itself, or using its neighbours.
 
 use image::{Rgb, RgbImage};
 
-/// Each value rounded to the nearest of 2ⁿ from 0 to 255.
+/// Rounds each value to the nearest of 2ⁿ levels from 0 to 255.
 pub(super) fn rounded(picture: &RgbImage, bits: u8) -> RgbImage {
     let steps = f64::from((1u32 << bits) - 1);
     let level = |v: usize| (255.0 * (v as f64 * steps / 255.0).round() / steps).round() as u8;
@@ -12,8 +12,8 @@ pub(super) fn rounded(picture: &RgbImage, bits: u8) -> RgbImage {
     out
 }
 
-/// The median of each channel over squares of `side` px: of an even number of values the upper of the two in the middle, and of an even side one pixel more
-/// at the left and the top. Beyond the border the picture goes on as in a mirror. So does `scipy.ndimage.median_filter`, which Xu et al. use.
+/// Computes the median of each channel over squares of `side` px: of an even number of values the upper of the two in the middle, and of an even side
+/// one pixel more at the left and the top. Beyond the border the picture is mirrored, as by `scipy.ndimage.median_filter`, which Xu et al. use.
 pub(super) fn median(picture: &RgbImage, side: u8) -> RgbImage {
     let (width, height) = picture.dimensions();
     let (side, before) = (i64::from(side), i64::from(side / 2));
@@ -35,7 +35,7 @@ pub(super) fn median(picture: &RgbImage, side: u8) -> RgbImage {
     })
 }
 
-/// An index beyond an end, reflected at the border: … 1 0 | 0 1 2 ….
+/// Reflects an index beyond an end at the border: … 1 0 | 0 1 2 ….
 fn mirrored(at: i64, count: u32) -> u32 {
     let count = i64::from(count);
     let at = at.rem_euclid(2 * count);

@@ -1,8 +1,8 @@
-//! What an image from elsewhere may cost, by its use. Every image that this program decodes is measured here first, by its header.
+//! Limits on the cost of foreign images, by their use. Every image that this program decodes is first checked here, by its header.
 //!
-//! A few kilobytes can claim to be terabytes of pixels, and a progressive JPEG can make a decoder go over every pixel again for each scan,
-//! which takes ten bytes. So five things are bounded: the file's bytes, its pixels, the scans, the pixels times the scans (the time), and what
-//! decoding holds in memory. `docs/guide/limits.md` has the table, with what the worst image within each budget takes.
+//! A few kilobytes can claim to be terabytes of pixels, and each scan of a progressive JPEG, which takes ten bytes, can make a decoder process every
+//! pixel again. So five values are bounded: the file's bytes, its pixels, the scans, the pixels times the scans (the time), and the memory for
+//! decoding. `docs/guide/limits.md` has the table, with the cost of the worst image within each budget.
 
 use super::problem::DecodeProblem;
 
@@ -10,15 +10,14 @@ use super::problem::DecodeProblem;
 pub struct Budget {
     pub bytes: u64,
     pub megapixels: u64,
-    /// Megapixels times scans, of a JPEG. A scan whose data is not there takes up to 3.5 ms a megapixel: decoders
-    /// go on with zeros.
+    /// Megapixels times scans, of a JPEG. A scan without data takes up to 3.5 ms per megapixel: decoders continue with zeros.
     pub scanned_megapixels: u64,
-    /// What decoding may hold at once: the pixels, and the coefficients of a progressive JPEG.
+    /// Maximum memory for decoding, bytes: the pixels, and the coefficients of a progressive JPEG.
     pub memory: u64,
 }
 
 impl Budget {
-    /// Files that a user names, or lays into a watched folder: the largest cameras have 200 megapixels.
+    /// Budget of files that a user names, or puts into a watched folder: the largest cameras have 200 megapixels.
     pub const FILE: Budget = Budget {
         bytes: 512 << 20,
         megapixels: 250,
@@ -26,7 +25,7 @@ impl Budget {
         memory: 1536 << 20,
     };
 
-    /// What a browser sends. A phone's 50-megapixel JPEG has 15 MB.
+    /// Budget of uploads from a browser. A phone's 50-megapixel JPEG has 15 MB.
     pub const UPLOAD: Budget = Budget {
         bytes: 32 << 20,
         megapixels: 120,
@@ -34,10 +33,10 @@ impl Budget {
         memory: 512 << 20,
     };
 
-    /// What may be held only to show an image small; JPEGs are decoded reduced for that.
+    /// Maximum memory for showing an image at a small size; JPEGs are decoded reduced for that.
     pub const PREVIEW_MEMORY: u64 = 256 << 20;
 
-    /// No encoder makes more scans: libjpeg's usual script has 10, others stay below 20.
+    /// Maximum number of scans: libjpeg's usual script has 10, others stay below 20.
     pub const SCANS: u64 = 64;
 
     pub(super) fn check_bytes(&self, bytes: usize) -> Result<(), DecodeProblem> {
@@ -75,42 +74,42 @@ impl Budget {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DecodeCost {
     pixels: u64,
-    /// Bytes that the decoder writes for a pixel.
+    /// Bytes that the decoder writes per pixel.
     bytes_per_pixel: u64,
-    /// Bytes of coefficients, which are kept as long as the photo.
+    /// Bytes of coefficients, kept as long as the photo.
     kept: u64,
-    /// 1 for what is no JPEG.
+    /// Number of scans; 1 if it is not a JPEG.
     scans: u64,
     most_scans: u64,
-    /// By EXIF, by 90°: the turned image is another one.
+    /// True if EXIF turns the image by 90° in a separate step, into a second buffer.
     is_turned: bool,
 }
 
 impl DecodeCost {
-    /// Of 8-bit RGB, the form that images end in.
+    /// Bytes per pixel of 8-bit RGB, the final form of images.
     const RGB: u64 = 3;
 
-    /// Of a JPEG of a width and height, so many components and scans, whose file has so many bytes.
+    /// Returns the cost of a JPEG of a width and height, with this number of components and scans, from a file of `bytes` bytes.
     pub fn of_jpeg(size: [u32; 2], components: u64, scans: u64, is_progressive: bool, bytes: usize) -> DecodeCost {
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         DecodeCost {
             pixels,
             bytes_per_pixel: DecodeCost::RGB,
             kept: match scans {
-                // What is not zero, two bytes for the four bits of data or more that each takes, and eight bytes a block.
+                // Non-zero values: two bytes for each four or more bits of data, and eight bytes per block.
                 0 | 1 => pixels * components / 8 + 4 * bytes as u64,
-                // Coefficients of 2 bytes, one a pixel and component at most.
+                // Coefficients of 2 bytes, at most one per pixel and component.
                 _ => pixels * 2 * components,
             },
             scans,
             // A sequential frame has each component in one scan.
             most_scans: if is_progressive { Budget::SCANS } else { components },
-            // It is made upright at once.
+            // Turned while its pixels are made, without a second buffer.
             is_turned: false,
         }
     }
 
-    /// Of a PNG, whose decoder writes so many bytes for a pixel.
+    /// Returns the cost of a PNG whose decoder writes this number of bytes per pixel.
     pub fn of_png(size: [u32; 2], bytes_per_pixel: u64, is_turned: bool) -> DecodeCost {
         DecodeCost {
             pixels: u64::from(size[0]) * u64::from(size[1]),
@@ -126,8 +125,8 @@ impl DecodeCost {
         self.pixels * self.bytes_per_pixel
     }
 
-    /// What decoding at 1/`reduction` of the size holds at most, in bytes: while the decoder works, while its form is made into RGB, and while
-    /// that is turned.
+    /// Returns the maximum memory of decoding at 1/`reduction` of the size, in bytes: while the decoder works, while its output is converted to RGB,
+    /// and while that is turned.
     pub(super) fn memory(&self, reduction: u32) -> u64 {
         let reduced = self.pixels / (u64::from(reduction) * u64::from(reduction));
         let decoding = self.kept + reduced * self.bytes_per_pixel;

@@ -1,14 +1,14 @@
-//! Pictures at another size by OpenCV's `INTER_CUBIC`, without antialiasing: what detectors of PaddleDetection are shown.
+//! Resizing by OpenCV's `INTER_CUBIC`, without antialiasing: the input of PaddleDetection's detectors.
 
 use image::RgbImage;
 
-/// What makes a pixel along one axis: four neighbours, of which those beyond the border are its pixel, and what each counts.
+/// Sources of a pixel along one axis: four neighbours, clamped to the border, and their weights.
 pub struct CubicTap {
     pub places: [usize; 4],
     pub weights: [f64; 4],
 }
 
-/// Keys' cubic with a = -3/4, as OpenCV has it.
+/// Returns the taps of Keys' cubic with a = -3/4, as in OpenCV.
 pub fn cubic_taps(from: usize, to: usize) -> Vec<CubicTap> {
     const A: f64 = -0.75;
     let near = |x: f64| ((A + 2.0) * x - (A + 3.0)) * x * x + 1.0;
@@ -25,8 +25,8 @@ pub fn cubic_taps(from: usize, to: usize) -> Vec<CubicTap> {
     (0..to).map(tap).collect()
 }
 
-/// The picture at another size, cubic, as OpenCV from PyPI has it for bytes but for one level where a half is rounded. OpenCV built without
-/// Intel's library rounds its weights to 1/2048, which moves a few bytes in a hundred by one level. An empty picture stays.
+/// Resizes a picture by cubic interpolation, as OpenCV from PyPI does for bytes, up to one level where a half is rounded. OpenCV built without
+/// Intel's library rounds its weights to 1/2048, which changes a few bytes in a hundred by one level. An empty picture is unchanged.
 pub fn opencv_cubic(picture: &RgbImage, [width, height]: [u32; 2]) -> RgbImage {
     if picture.dimensions() == (width, height) || picture.is_empty() {
         return picture.clone();
@@ -48,7 +48,7 @@ pub fn opencv_cubic(picture: &RgbImage, [width, height]: [u32; 2]) -> RgbImage {
                         .for_each(|(sum, v)| *sum += of_row * weight * f64::from(*v));
                 }
             }
-            // A cast ends at 0 and 255.
+            // The cast clamps to 0 and 255.
             made.extend(sums.map(|sum| sum.round_ties_even() as u8));
         }
     }

@@ -1,4 +1,4 @@
-//! From the bytes of a JPEG or PNG file to upright pixels, whole or not at all.
+//! Decoding of the bytes of a JPEG or PNG file to upright pixels, completely or not at all.
 
 use std::io::Cursor;
 
@@ -11,11 +11,11 @@ use super::exif_tags;
 use super::jpeg::{Coefficients, Colours, Frame, JpegError};
 use super::problem::DecodeProblem;
 
-/// The kind of an HEIF file (ISO 23008-12, 10: its brands), by the `ftyp` box that it begins with.
+/// Returns the kind of an HEIF file (ISO 23008-12, 10: its brands), by its initial `ftyp` box.
 pub(super) fn heif_kind(bytes: &[u8]) -> Option<&'static str> {
     let length = u32::from_be_bytes(*bytes.first_chunk()?) as usize;
     let ftyp = bytes.get(4..length.min(bytes.len()).min(LONGEST_FTYP))?;
-    // The major brand, a version, and the brands that the file fits as well.
+    // The major brand, a version, and the compatible brands.
     let (major, others) = ftyp.strip_prefix(b"ftyp")?.split_at_checked(4)?;
     let brands: Vec<&[u8]> = std::iter::once(major).chain(others.chunks_exact(4).skip(1)).collect();
     let is_any = |known: &[&[u8]]| brands.iter().any(|brand| known.contains(brand));
@@ -28,15 +28,15 @@ pub(super) fn heif_kind(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// Files name a handful of brands, 4 bytes each.
+/// Maximum length of an `ftyp` box, bytes: files name a handful of brands, 4 bytes each.
 const LONGEST_FTYP: usize = 1024;
 
-/// True when an orientation swaps width and height.
+/// Returns true if an orientation swaps width and height.
 fn lies_across(orientation: Orientation) -> bool {
     turned_deg(orientation) % 180 == 90
 }
 
-/// How far the sensor's image is turned clockwise; mirroring is what software did to it before.
+/// Returns the clockwise rotation that makes the sensor's image upright, degrees; mirroring, done by software before, is ignored.
 pub(super) fn turned_deg(orientation: Orientation) -> u32 {
     match orientation {
         Orientation::NoTransforms | Orientation::FlipHorizontal => 0,
@@ -52,12 +52,12 @@ pub(super) struct Header {
     pub cost: DecodeCost,
     pub orientation: Orientation,
     pub exif: Option<Vec<u8>>,
-    /// `None` for a PNG.
+    /// Header of a JPEG; `None` for a PNG.
     jpeg: Option<Frame>,
 }
 
 impl Header {
-    /// Reads a header within a budget; a cut JPEG ends here.
+    /// Reads a header within a budget; returns an error for a truncated JPEG.
     pub(super) fn read(bytes: &[u8], budget: &Budget) -> Result<Header, DecodeProblem> {
         let (size, cost, exif, jpeg) = match image::guess_format(bytes) {
             Ok(ImageFormat::Jpeg) => {
@@ -83,17 +83,17 @@ impl Header {
         })
     }
 
-    /// A JPEG whose end-of-image marker is not there.
+    /// Returns true for a JPEG without an end-of-image marker.
     pub(super) fn lacks_end(&self) -> bool {
         self.jpeg.as_ref().is_some_and(|frame| frame.lacks_end)
     }
 
-    /// The colours of a JPEG; `None` for a PNG.
+    /// Returns the colour space of a JPEG; `None` for a PNG.
     pub(super) fn colours(&self) -> Option<Colours> {
         self.jpeg.as_ref().map(|frame| frame.colours)
     }
 
-    /// A JPEG that stores luma by itself, as almost all do: the others are CMYK or plain RGB.
+    /// Returns true for a JPEG that stores luma separately, as almost all do: the others are CMYK or plain RGB.
     pub(super) fn has_luma(&self) -> bool {
         matches!(self.colours(), Some(Colours::YCbCr | Colours::Grey))
     }
@@ -104,7 +104,7 @@ impl Header {
         if is_across { [height, width] } else { [width, height] }
     }
 
-    /// What the data of a JPEG says, of which pixels of every size follow; `None` for a PNG.
+    /// Reads the coefficients of a JPEG, from which pixels of every size follow; `None` for a PNG.
     pub(super) fn coefficients(&self, bytes: &[u8], budget: &Budget) -> Result<Option<Coefficients>, DecodeProblem> {
         let Some(frame) = &self.jpeg else { return Ok(None) };
         let most_bytes = budget.memory.saturating_sub(self.cost.pixel_bytes());
@@ -132,15 +132,15 @@ fn jpeg_problem(e: JpegError, budget: &Budget) -> DecodeProblem {
     }
 }
 
-/// A PNG whose header was read and is within the budget; the reader decides about size and kind before it decodes.
+/// Opens a PNG whose header is within the budget; the caller decides about size and kind before it decodes.
 pub fn open_png<'a>(bytes: &'a [u8], budget: &Budget) -> Result<impl ImageDecoder + 'a, DecodeProblem> {
     png_header(bytes, budget).map(|(decoder, ..)| decoder)
 }
 
-/// Colour profiles and texts that a PNG's header is unpacked into, bytes; not its pixels.
+/// Maximum memory for unpacking colour profiles and texts of a PNG's header, bytes; not for its pixels.
 const PNG_CHUNKS: u64 = 64 << 20;
 
-/// A decoder that has read the header, what the image takes, and its EXIF block.
+/// Decoder that has read the header, the image's cost, and its EXIF block.
 type OpenedPng<'a> = (PngDecoder<Cursor<&'a [u8]>>, DecodeCost, Option<Vec<u8>>);
 
 fn png_header<'a>(bytes: &'a [u8], budget: &Budget) -> Result<OpenedPng<'a>, DecodeProblem> {
@@ -148,7 +148,7 @@ fn png_header<'a>(bytes: &'a [u8], budget: &Budget) -> Result<OpenedPng<'a>, Dec
     if !has_whole_colours(bytes) {
         return Err(DecodeProblem::Damaged("its palette ends within a colour".to_owned()));
     }
-    // Before the decoder, which says of sizes beyond its own limits only that there are such.
+    // Checked before the decoder, whose message for sizes beyond its own limits does not state them.
     if let Some(size) = png_size(bytes) {
         budget.check(&DecodeCost::of_png(size, 1, false))?;
     }
@@ -163,18 +163,18 @@ fn png_header<'a>(bytes: &'a [u8], budget: &Budget) -> Result<OpenedPng<'a>, Dec
     Ok((decoder, cost, exif))
 }
 
-/// Width and height of a PNG, px, by the chunk that it begins with (ISO/IEC 15948, 11.2.1).
+/// Returns width and height of a PNG, px, from its first chunk (ISO/IEC 15948, 11.2.1).
 fn png_size(bytes: &[u8]) -> Option<[u32; 2]> {
     let header = bytes.get(12..24)?.strip_prefix(b"IHDR")?;
     let (width, height) = header.split_first_chunk::<4>()?;
     Some([*width, *height.first_chunk()?].map(u32::from_be_bytes))
 }
 
-/// Whether the palette of a PNG, if it has one, is made of whole colours (ISO/IEC 15948, 11.2.2). The decoder takes that for granted: of another it
-/// panics (png 0.18.1, found by fuzzing).
+/// Returns true if the palette of a PNG, if any, consists of whole colours (ISO/IEC 15948, 11.2.2). The decoder assumes this, and panics otherwise
+/// (png 0.18.1, found by fuzzing).
 fn has_whole_colours(bytes: &[u8]) -> bool {
     const SIGNATURE: usize = 8;
-    /// Length and kind before a chunk's content, its check sum behind it.
+    /// Length and kind before a chunk's content, and its checksum after it.
     const FRAMING: usize = 12;
     let mut at = SIGNATURE;
     while let Some([length, kind]) = bytes
@@ -191,7 +191,7 @@ fn has_whole_colours(bytes: &[u8]) -> bool {
     true
 }
 
-/// The first line of what a decoder says, without the internals it prints in braces.
+/// Returns a decoder's message up to its first line, without the internals it prints in braces.
 fn damaged(e: impl std::fmt::Display) -> DecodeProblem {
     let text = e.to_string();
     let line = text.lines().next().unwrap_or_default();

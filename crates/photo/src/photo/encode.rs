@@ -1,4 +1,4 @@
-//! JPEGs of pictures.
+//! Encoding of pictures as JPEG and PNG.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -9,13 +9,13 @@ use jpeg_encoder::ChromaSubsamplingMethod;
 
 use super::{Budget, Photo};
 
-/// A JPEG of a picture for people to look at; `None` for one wider or higher than 65,535 px, or empty.
+/// Encodes a picture as JPEG for display; `None` if it is wider or higher than 65,535 px, or empty.
 pub fn preview_jpeg(picture: &RgbImage, quality: u8) -> Option<Vec<u8>> {
     jpeg(picture, quality, None, ChromaSubsamplingMethod::Nearest)
 }
 
-/// A JPEG of an upright picture as a camera would have written it whose sensor's image is turned clockwise by 0, 90, 180 or 270°: the sensor's
-/// image, with EXIF that turns it. `None` for one wider or higher than 65,535 px, or empty.
+/// Encodes an upright picture as a camera's JPEG whose sensor image is turned clockwise by 0, 90, 180 or 270°: stores the sensor's image, with EXIF
+/// that turns it. `None` if it is wider or higher than 65,535 px, or empty.
 pub fn sensor_jpeg(upright: &RgbImage, turned_deg: u32, quality: u8) -> Option<Vec<u8>> {
     match turned_back(upright, turned_deg) {
         None => jpeg(upright, quality, None, ChromaSubsamplingMethod::Nearest),
@@ -23,7 +23,7 @@ pub fn sensor_jpeg(upright: &RgbImage, turned_deg: u32, quality: u8) -> Option<V
     }
 }
 
-/// A PNG as [`sensor_jpeg`] makes JPEGs; `None` for an empty picture.
+/// Encodes a PNG as [`sensor_jpeg`] does JPEGs; `None` for an empty picture.
 pub fn sensor_png(upright: &RgbImage, turned_deg: u32) -> Option<Vec<u8>> {
     let (sensor, exif) = turned_back(upright, turned_deg).unzip();
     let picture = sensor.as_ref().unwrap_or(upright);
@@ -37,8 +37,8 @@ pub fn sensor_png(upright: &RgbImage, turned_deg: u32) -> Option<Vec<u8>> {
     written.ok().map(|()| png)
 }
 
-/// The sensor's image of an upright one, and the EXIF block (a TIFF structure with the tag Orientation alone, Exif 2.32, 4.6.4) that turns it
-/// back; `None` where nothing is turned.
+/// Returns the sensor's image of an upright one, and the EXIF block (a TIFF structure with only the tag Orientation, Exif 2.32, 4.6.4) that turns it
+/// back; `None` if nothing is turned.
 fn turned_back(upright: &RgbImage, turned_deg: u32) -> Option<(RgbImage, Vec<u8>)> {
     let (sensor, orientation) = match turned_deg {
         90 => (imageops::rotate270(upright), 6),
@@ -68,7 +68,8 @@ fn jpeg(picture: &RgbImage, quality: u8, exif: Option<&[u8]>, chroma: ChromaSubs
     encoded.ok().map(|()| jpeg)
 }
 
-/// The picture as it comes back from a JPEG of a quality, 1 to 100, as libjpeg writes it: colours of 2 × 2 pixels are averaged below 90; `None` where there is no such JPEG.
+/// Encodes and decodes the picture as JPEG of a quality, 1 to 100, as libjpeg writes it: chroma of 2 × 2 pixels is averaged below 90; `None` if it
+/// cannot be encoded.
 pub fn as_jpeg(picture: &RgbImage, quality: u8) -> Option<RgbImage> {
     let jpeg = jpeg(picture, quality, None, ChromaSubsamplingMethod::Average)?;
     let photo = Photo::from_bytes(Path::new("picture"), jpeg, Budget::FILE).ok()?;

@@ -1,11 +1,11 @@
-//! What a photo's EXIF data says about the lens it was taken with, and about when and how it was taken.
+//! EXIF data of a photo: its lens, and the time and exposure of the shot.
 
 use exif::{Exif, In, Reader, Tag, Value};
 use image::metadata::Orientation;
 
-/// Reads an EXIF block (Exif 2.32, 4.6: a TIFF structure); `None` when there is none or nothing of it can be read.
+/// Reads an EXIF block (Exif 2.32, 4.6: a TIFF structure); `None` if there is none or nothing of it can be read.
 ///
-/// A fault ends only what it is in: piexif, for one, leaves out the end of each inner directory, which makes no value before it wrong.
+/// A fault affects only the part that contains it: piexif, for one, omits the end of each inner directory, which invalidates no value before it.
 pub(super) fn read(block: Option<&[u8]>) -> Option<Exif> {
     match Reader::new().continue_on_error(true).read_raw(block?.to_vec()) {
         Err(exif::Error::PartialResult(partial)) => Some(partial.into_inner().0),
@@ -13,16 +13,15 @@ pub(super) fn read(block: Option<&[u8]>) -> Option<Exif> {
     }
 }
 
-/// How the image is to be turned, as an EXIF block says (Exif 2.32, 4.6.4: Orientation, 1 to 8); not at all where it does not say it, or
-/// cannot be read, which is no reason to refuse the image.
+/// Returns the orientation from an EXIF block (Exif 2.32, 4.6.4: Orientation, 1 to 8); none if it is missing or unreadable, which is no reason to
+/// refuse the image.
 pub(super) fn orientation(block: Option<&[u8]>) -> Orientation {
     let stated = read(block).and_then(|exif| whole(&exif, Tag::Orientation));
     let known = stated.and_then(|number| Orientation::from_exif(u8::try_from(number).ok()?));
     known.unwrap_or(Orientation::NoTransforms)
 }
 
-/// The tags a focal length in pixels can be made from; all absent when there is no EXIF data. Nothing is checked: cameras
-/// write strange numbers.
+/// Tags from which a focal length in pixels can be derived; all absent without EXIF data. Nothing is checked: cameras write strange numbers.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Lens {
     /// FocalLengthIn35mmFilm.
@@ -33,7 +32,7 @@ pub struct Lens {
     pub sensor_px_per_mm: Option<f64>,
     /// DigitalZoomRatio.
     pub digital_zoom: Option<f64>,
-    /// PixelXDimension and PixelYDimension: the size as the camera recorded it.
+    /// PixelXDimension and PixelYDimension: the size at which the camera recorded the photo.
     pub recorded_px: Option<(u32, u32)>,
 }
 
@@ -60,8 +59,8 @@ impl Lens {
     }
 }
 
-/// The first number of a tag, in whatever type it is stored: the standard names one or two for each tag, and cameras and editors write others.
-/// `None` for text and for no number at all.
+/// Returns the first number of a tag, of any stored type: the standard names one or two types for each tag, and cameras and editors write others.
+/// `None` for text and for an empty value.
 fn number(exif: &Exif, tag: Tag) -> Option<f64> {
     let number = match &exif.get_field(tag, In::PRIMARY)?.value {
         Value::Byte(all) => f64::from(*all.first()?),
@@ -79,22 +78,22 @@ fn number(exif: &Exif, tag: Tag) -> Option<f64> {
     number.is_finite().then_some(number)
 }
 
-/// A tag's [`number`] where it is whole and not negative.
+/// Returns a tag's [`number`] if it is whole and not negative.
 fn whole(exif: &Exif, tag: Tag) -> Option<u32> {
     let number = number(exif, tag)?;
     (number.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&number)).then_some(number as u32)
 }
 
-/// What a reader of a report wants to know of a photo's taking; nothing where EXIF is silent.
+/// Time and exposure of a photo, for reports; empty if EXIF does not have them.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Shot {
     /// `2026-05-01 12:30:05`, by the camera's clock.
     pub taken: Option<String>,
-    /// `1/125 s, f/1.8, ISO 64`: as many of the three as are there.
+    /// Exposure as `1/125 s, f/1.8, ISO 64`: as many of the three as are present.
     pub exposure: Option<String>,
 }
 
-/// Longer values are damaged ones.
+/// Maximum length of a value; longer ones are damaged.
 const LONGEST: usize = 40;
 
 impl Shot {

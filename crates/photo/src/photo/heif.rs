@@ -1,4 +1,4 @@
-//! HEIC and its kin (ISO 23008-12), by the decoder that the system has: `heif-dec` or `heif-convert` of libheif. Nothing here decodes them.
+//! Decoding of HEIC and its relatives (ISO 23008-12) by the system's decoder: `heif-dec` or `heif-convert` of libheif.
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -7,18 +7,18 @@ use std::time::{Duration, Instant};
 use super::{Budget, PhotoError};
 use scaleproof_core::files;
 
-/// By their age: newer versions of libheif call it `heif-dec`.
+/// Names of libheif's command, the newer one first: `heif-dec`.
 const DECODERS: [&str; 2] = ["heif-dec", "heif-convert"];
-/// A decoder that takes longer than this for one image hangs.
+/// Maximum time of a decoder for one image; beyond it, the decoder hangs.
 const MOST_TIME: Duration = Duration::from_secs(60);
 const LOOK_AGAIN: Duration = Duration::from_millis(10);
 
-/// Whether the system has a decoder for HEIC files.
+/// Returns true if the system has a decoder for HEIC files.
 pub fn reads_heif() -> bool {
     decoder().is_some()
 }
 
-/// The image of an HEIF file as an upright PNG; `None` where the system has no decoder for it.
+/// Decodes an HEIF file to an upright PNG; `None` if the system has no decoder for it.
 pub(super) fn as_png(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, PhotoError> {
     let Some(decoder) = decoder() else { return Ok(None) };
     let failed = |reason: String| PhotoError::Damaged {
@@ -37,7 +37,7 @@ pub(super) fn as_png(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, Photo
     let name = decoder.file_name().unwrap_or_default().display();
     let ended = started.and_then(within_time);
     let is_done = ended.map_err(|e| failed(format!("{name} could not decode it: {e}")))?;
-    // A file of several images becomes as many; the first is the one that is shown.
+    // A file of several images gives several outputs; the first is the one to show.
     let image = [to, first].into_iter().find(|path| path.is_file());
     if let Some(image) = image.filter(|_| is_done) {
         return Ok(Some(pixels_only(&files::read_at_most(&image, Budget::FILE.bytes)?)));
@@ -56,7 +56,7 @@ fn decoder() -> Option<PathBuf> {
     DECODERS.iter().find_map(|name| files::environment::program(name))
 }
 
-/// Whether it ended well; it is killed when it takes too long.
+/// Waits for the decoder; returns true if it succeeded. Kills it if it takes too long.
 fn within_time(mut child: Child) -> std::io::Result<bool> {
     let began = Instant::now();
     loop {
@@ -72,16 +72,16 @@ fn within_time(mut child: Child) -> std::io::Result<bool> {
     }
 }
 
-/// A PNG without its remarks. The decoder has turned the image upright; EXIF data that it kept beside would turn it again.
+/// Removes a PNG's ancillary chunks. The decoder has turned the image upright; preserved EXIF data would turn it again.
 fn pixels_only(png: &[u8]) -> Vec<u8> {
     const SIGNATURE: usize = 8;
     let mut kept = png.get(..SIGNATURE).unwrap_or_default().to_vec();
     let mut rest = png.get(SIGNATURE..).unwrap_or_default();
-    // Length, type, data and checksum of each chunk; what is damaged is left for the PNG decoder to say.
+    // Length, type, data and checksum of each chunk; the PNG decoder reports damage.
     while let Some((length, kind)) = rest.first_chunk::<8>().map(|head| head.split_at(4)) {
         let length = u32::from_be_bytes([length[0], length[1], length[2], length[3]]) as usize;
         let end = length.saturating_add(12).min(rest.len());
-        // The kinds in capitals are those that pixels need (PNG specification, 5.4); tRNS is transparency.
+        // Critical chunks, needed for pixels, begin with a capital (PNG specification, 5.4); tRNS is transparency.
         if kind[0].is_ascii_uppercase() || kind == b"tRNS" {
             kept.extend_from_slice(&rest[..end]);
         }
@@ -90,13 +90,13 @@ fn pixels_only(png: &[u8]) -> Vec<u8> {
     kept
 }
 
-/// The EXIF block of an HEIF file: a TIFF structure.
+/// Returns the EXIF block of an HEIF file: a TIFF structure.
 pub(super) fn exif(bytes: &[u8]) -> Option<Vec<u8>> {
     let read = exif::Reader::new().read_from_container(&mut std::io::Cursor::new(bytes));
     read.ok().map(|exif| exif.buf().to_vec())
 }
 
-/// A folder that only this user may enter; gone when dropped.
+/// Creates a folder that only this user may enter; it is removed when dropped.
 fn own_folder() -> std::io::Result<tempfile::TempDir> {
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]

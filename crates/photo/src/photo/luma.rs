@@ -1,4 +1,4 @@
-//! Luma that is made where somebody looks: tags cover a small share of a large photo.
+//! Luma computed only where it is needed: tags cover a small share of a large photo.
 
 use std::borrow::Cow;
 use std::cell::OnceCell;
@@ -12,15 +12,15 @@ use super::jpeg::Coefficients;
 
 /// Luma of an upright image.
 pub trait Luma {
-    /// Width and height, px.
+    /// Returns width and height, px.
     fn size(&self) -> [u32; 2];
 
     fn whole(&self) -> &GrayImage;
 
-    /// A pixel for each square of `factor` × `factor` pixels, without what so few pixels cannot show; a rest at the right and at the bottom is left out.
+    /// Returns a pixel for each square of `factor` × `factor` pixels, low-pass filtered; a remainder at the right and at the bottom is left out.
     fn reduced(&self, factor: u32) -> Cow<'_, GrayImage>;
 
-    /// The pixels from `(x, y)` on, `size` of them, all inside the image.
+    /// Returns `size` pixels from `start` (x, y) on, all inside the image.
     fn part(&self, start: [u32; 2], size: [u32; 2]) -> GrayImage;
 }
 
@@ -45,7 +45,7 @@ impl Luma for GrayImage {
     }
 }
 
-/// Of a JPEG that stores luma.
+/// Luma of a JPEG that stores it.
 pub(super) struct JpegLuma<'a> {
     coefficients: &'a Coefficients,
     orientation: Orientation,
@@ -54,7 +54,7 @@ pub(super) struct JpegLuma<'a> {
 }
 
 impl<'a> JpegLuma<'a> {
-    /// `size`: of the upright image.
+    /// Creates the luma; `size` is that of the upright image.
     pub(super) fn new(coefficients: &'a Coefficients, orientation: Orientation, size: [u32; 2]) -> JpegLuma<'a> {
         JpegLuma {
             coefficients,
@@ -75,7 +75,7 @@ impl Luma for JpegLuma<'_> {
     }
 
     fn reduced(&self, factor: u32) -> Cow<'_, GrayImage> {
-        // A turned image leaves the rest out on the other side.
+        // A rotated image leaves the remainder out on the other side.
         let is_whole = self.size.iter().all(|side| side.is_multiple_of(factor));
         if is_whole && REDUCTIONS.contains(&factor) {
             Cow::Owned(self.coefficients.luma(factor, self.orientation))
@@ -91,12 +91,12 @@ impl Luma for JpegLuma<'_> {
     }
 }
 
-/// Means over squares of `factor` × `factor` pixels; a rest at the right and at the bottom is left out.
+/// Returns means over squares of `factor` × `factor` pixels; a remainder at the right and at the bottom is left out.
 pub fn mean_squares<C: Deref<Target = [u8]>>(grey: &ImageBuffer<image::Luma<u8>, C>, factor: u32) -> GrayImage {
     let (width, height) = (grey.width() / factor, grey.height() / factor);
     let stride = grey.width() as usize;
     let mut bytes = Vec::with_capacity(width as usize * height as usize);
-    // Down first: neighbours are then added side by side. 16 bits hold 257 of them.
+    // Columns are summed first: adjacent pixels are then added in parallel. 16 bits hold the sum of 257 pixels.
     let mut sums = vec![0u16; stride];
     for rows in grey.as_raw().chunks_exact(stride * factor as usize) {
         sums.fill(0);
@@ -120,10 +120,10 @@ pub fn mean_squares<C: Deref<Target = [u8]>>(grey: &ImageBuffer<image::Luma<u8>,
     GrayImage::from_raw(width, height, bytes).unwrap_or_default()
 }
 
-/// Means of squares of a side that the compiler knows: several take one instruction. `sums`: of their columns.
+/// Appends means of squares of a side known at compile time, so that several take one instruction. `sums`: of their columns.
 fn add_means<const SIDE: usize>(sums: &[u16], means: &mut Vec<u8>) {
     let area = (SIDE * SIDE) as u32;
-    // Rounded up, so that whole numbers stay: exact for sums below 2¹⁶, and such squares have sums below 2¹², which 32 bits hold.
+    // Rounded up, so that constant squares keep their level: exact for sums below 2¹⁶; the sums of such squares are below 2¹², so 32 bits suffice.
     let per_area = (1u32 << 20).div_ceil(area);
     let squares = sums.as_chunks::<SIDE>().0.iter();
     let squares = squares.map(|sums| sums.iter().copied().map(u32::from).sum::<u32>());

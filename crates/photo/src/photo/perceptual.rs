@@ -1,17 +1,17 @@
-//! Whether two images are copies of one photo: a perceptual hash, which another encoding, size or exposure hardly changes.
+//! Perceptual hash for finding copies of a photo; another encoding, size or exposure hardly changes it.
 
 use image::RgbImage;
 
 use super::resize::boxed;
 
-/// The hash's gradients: so many across and down.
+/// Number of gradients across and down.
 const SIDE: u32 = 16;
 
-/// 256 bits; those of copies are nearly the same.
+/// Hash of 256 bits; those of copies are nearly the same.
 pub type PerceptualHash = [u64; 4];
 
-/// The difference hash of an image (dHash; Krawetz, "Kind of Like That", hackerfactor.com, 2013): reduced to 17 × 16 pixels, one bit for each pixel that is darker than its
-/// right neighbour.
+/// Computes the difference hash of an image (dHash; Krawetz, "Kind of Like That", hackerfactor.com, 2013): reduced to 17 × 16 pixels, one bit for
+/// each pixel that is darker than its right neighbour.
 pub fn perceptual_hash(image: &RgbImage) -> PerceptualHash {
     let small = boxed(image, [SIDE + 1, SIDE]);
     // Rec. 601 luma, in thousandths.
@@ -29,7 +29,7 @@ pub fn perceptual_hash(image: &RgbImage) -> PerceptualHash {
     bits
 }
 
-/// How many bits of two hashes differ: 0 for copies, about half of all for images that have nothing in common.
+/// Returns the number of bits that differ between two hashes: 0 for copies, about half of all for unrelated images.
 pub fn bits_apart(a: &PerceptualHash, b: &PerceptualHash) -> u32 {
     a.iter().zip(b).map(|(a, b)| (a ^ b).count_ones()).sum()
 }

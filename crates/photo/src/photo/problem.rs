@@ -1,10 +1,10 @@
-//! What is wrong with the bytes of an image.
+//! Faults in the bytes of an image.
 
 use std::path::Path;
 
 use super::PhotoError;
 
-/// What is wrong with the bytes of an image, as a clause.
+/// Fault in the bytes of an image, as a clause.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum DecodeProblem {
     #[error("it is no image")]
@@ -13,7 +13,7 @@ pub enum DecodeProblem {
     Heif(&'static str),
     #[error("it ends in the middle of the image")]
     Truncated,
-    /// How large, as a clause.
+    /// Size of the image, as a clause.
     #[error("it has {0}")]
     TooLarge(String),
     #[error("it has {0} scans")]

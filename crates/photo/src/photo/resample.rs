@@ -1,21 +1,21 @@
-//! Pictures at another size as Pillow's `Image.resize` makes them, byte for byte: networks trained behind it are shown what they know.
+//! Resizing as by Pillow's `Image.resize`, byte for byte, so that networks trained with it get the same input.
 //!
-//! A pixel of the smaller picture is a weighted mean of those that lie within the filter's reach, which grows with the reduction. Rows and columns are
-//! resized one after the other, with bytes in between; weights are whole multiples of 2⁻²².
+//! A pixel of the smaller picture is a weighted mean of those within the filter's support, which grows with the reduction. Rows and columns are
+//! resized one after the other, with bytes in between; weights are multiples of 2⁻²².
 
-/// What a neighbour counts by its distance.
+/// Weight of a neighbour by its distance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Filter {
-    /// All alike.
+    /// Constant weight.
     Box,
-    /// Falling to 0 at the next pixel.
+    /// Weight that falls linearly to 0 at the next pixel.
     Bilinear,
     /// Keys' cubic with a = -1/2, which is Catmull and Rom's.
     Bicubic,
 }
 
 impl Filter {
-    /// In pixels of the smaller picture.
+    /// Returns the filter's radius in pixels of the smaller picture.
     fn reach(self) -> f64 {
         match self {
             Filter::Box => 0.5,
@@ -27,7 +27,7 @@ impl Filter {
     fn weight(self, distance: f64) -> f64 {
         let x = distance.abs();
         match self {
-            // Of two pixels at the border of a box the one belongs to it.
+            // Of two pixels at the border of a box only one belongs to it.
             Filter::Box => f64::from(distance > -0.5 && distance <= 0.5),
             Filter::Bilinear => (1.0 - x).max(0.0),
             Filter::Bicubic if x < 1.0 => (1.5 * x - 2.5) * x * x + 1.0,
@@ -37,11 +37,11 @@ impl Filter {
     }
 }
 
-/// The bytes of a picture of `N` channels at another size; neither size has a side of 0.
+/// Resizes the bytes of a picture of `N` channels; neither size has a side of 0.
 pub fn resampled<const N: usize>(source: &[u8], from: [u32; 2], to: [u32; 2], filter: Filter) -> Vec<u8> {
     let ([columns, rows], [width, height]) = (from.map(|side| side as usize), to.map(|side| side as usize));
     let (across, down) = (taps(columns, width, filter), taps(rows, height, filter));
-    // Pillow 13 begins with the columns where they lose more than twice what the rows do (found by trying 697 sizes); earlier ones never do.
+    // Pillow 13 resizes columns first if they shrink more than twice as much as the rows (found by trying 697 sizes); earlier versions never do.
     if rows > height && rows + 2 * width > height + 2 * columns {
         let flattened = columns_resized(source, N * columns, &down);
         return rows_resized::<N>(&flattened, columns, &across);
@@ -52,7 +52,7 @@ pub fn resampled<const N: usize>(source: &[u8], from: [u32; 2], to: [u32; 2], fi
 const BITS: u32 = 22;
 const HALF: i32 = 1 << (BITS - 1);
 
-/// The pixels that one is made of: the first, and the weights from it on.
+/// Source pixels of a pixel: the first index, and the weights from there on.
 struct Tap {
     first: usize,
     weights: Vec<i32>,
@@ -64,7 +64,7 @@ fn taps(from: usize, to: usize, filter: Filter) -> Vec<Tap> {
     let tap = |at: usize| {
         let centre = (at as f64 + 0.5) * scale;
         let reach = filter.reach() * spread;
-        // Truncated, so that what is left of the border is 0.
+        // Truncated, so that positions left of the border become 0.
         let first = (centre - reach + 0.5) as usize;
         let end = ((centre + reach + 0.5) as usize).min(from);
         let weight = |i: usize| filter.weight((i as f64 - centre + 0.5) * (1.0 / spread));
@@ -84,7 +84,7 @@ fn byte(sum: i32) -> u8 {
     (sum >> BITS).clamp(0, 255) as u8
 }
 
-/// A pixel's channels side by side in a vector, which are three at most.
+/// Number of SIMD lanes for a pixel's channels, which are three at most.
 const LANES: usize = 4;
 
 scaleproof_core::by_avx2! {
@@ -92,7 +92,7 @@ scaleproof_core::by_avx2! {
         let rows = source.len() / (N * columns);
         let mut out = vec![0; N * taps.len() * rows];
         let mut pixels = vec![[0_i32; LANES]; columns];
-        // All lanes are kept until a row is done: where one is not, a compiler takes single numbers in place of vectors.
+        // All lanes are kept until a row is done: otherwise the compiler uses scalars instead of vectors.
         let mut made = vec![[0_u8; LANES]; taps.len()];
         for (row, out) in source.chunks_exact(N * columns).zip(out.chunks_exact_mut(N * taps.len())) {
             for (wide, pixel) in pixels.iter_mut().zip(row.as_chunks::<N>().0) {

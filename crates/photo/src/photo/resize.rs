@@ -1,33 +1,32 @@
-//! Pictures at another size: for networks as their own programs resize, and made smaller to be shown.
+//! Resizing: for networks as their own programs do, and smaller for display.
 
 use image::{GrayImage, RgbImage};
 
 use super::resample::{Filter, resampled};
 
-/// The size of a picture of this size when its longer side is made at most so many px; never larger than it is.
+/// Returns the size of a picture reduced to at most `longest_px` on its longer side; never enlarged.
 pub fn fitting(size: [u32; 2], longest_px: u32) -> [u32; 2] {
     let share = (f64::from(longest_px) / f64::from(size[0].max(size[1]).max(1))).min(1.0);
     size.map(|side| (f64::from(side) * share).round().max(1.0) as u32)
 }
 
-/// The picture at another size: bilinear, each pixel the mean of all that it stands for, as Pillow has it byte for byte, and torchvision with
-/// antialiasing but for roundings. An empty picture stays.
+/// Resizes a picture bilinearly with antialiasing, byte for byte as Pillow, and as torchvision up to rounding. An empty picture is unchanged.
 pub fn shrunk(picture: &RgbImage, size: [u32; 2]) -> RgbImage {
     resized(picture, size, Filter::Bilinear)
 }
 
-/// The picture at another size, each pixel the plain mean of those whose centres are in it. An empty picture stays.
+/// Resizes a picture, each pixel the plain mean of those whose centres are in it. An empty picture is unchanged.
 pub fn boxed(picture: &RgbImage, size: [u32; 2]) -> RgbImage {
     resized(picture, size, Filter::Box)
 }
 
-/// At twice the size, bicubic. An empty picture stays.
+/// Doubles the size, bicubic. An empty picture is unchanged.
 pub fn doubled(grey: &GrayImage) -> GrayImage {
     let (width, height) = grey.dimensions();
     grey_resized(grey, [2 * width, 2 * height], Filter::Bicubic)
 }
 
-/// At another size, as Pillow has it. An empty picture stays.
+/// Resizes as Pillow does. An empty picture is unchanged.
 pub fn grey_resized(grey: &GrayImage, size: [u32; 2], filter: Filter) -> GrayImage {
     let from = <[u32; 2]>::from(grey.dimensions());
     if from == size || grey.is_empty() || size.contains(&0) {
@@ -45,11 +44,11 @@ fn resized(picture: &RgbImage, size: [u32; 2], filter: Filter) -> RgbImage {
     RgbImage::from_raw(size[0], size[1], pixels).unwrap_or_default()
 }
 
-/// The picture at another size by bilinear resizing as OpenCV's `INTER_LINEAR` has it for bytes, number for number: without antialiasing, in
-/// fixed point. Detectors whose own programs resize with OpenCV are scored on the image that those would show them.
+/// Resizes a picture bilinearly as OpenCV's `INTER_LINEAR` for bytes, bit-exact: without antialiasing, in fixed point. Detectors whose own programs
+/// resize with OpenCV get the same input.
 ///
-/// The arithmetic is that of OpenCV 4's `resize` for 8 bits: weights in 1/2048, rows first, then columns with their low bits cut off, and the
-/// mean of 2 × 2 where both sides are exactly halved. A test of the crate `detect` holds it against OpenCV's, byte for byte.
+/// The arithmetic is that of OpenCV 4's `resize` for 8 bits: weights in 1/2048, rows first, then columns with their low bits truncated, and the mean
+/// of 2 × 2 if both sides are exactly halved. A test of the crate `detect` compares it with OpenCV's, byte for byte.
 pub fn opencv_linear(picture: &RgbImage, size: [u32; 2]) -> RgbImage {
     if picture.dimensions() == size.into() {
         return picture.clone();
@@ -64,7 +63,7 @@ pub fn opencv_linear(picture: &RgbImage, size: [u32; 2]) -> RgbImage {
     RgbImage::from_raw(width, height, made).unwrap_or_default()
 }
 
-/// Which rows of a picture [`opencv_linear`] looks at: none but two for each that it makes. `None` where it looks at all.
+/// Returns, for each row of a picture, whether [`opencv_linear`] reads it: at most two per output row. `None` if it reads all.
 pub(super) fn opencv_linear_rows(from: [u32; 2], to: [u32; 2]) -> Option<Vec<bool>> {
     if from[1] < 2 * to[1] || from == to.map(|side| 2 * side) {
         return None;
@@ -77,7 +76,7 @@ pub(super) fn opencv_linear_rows(from: [u32; 2], to: [u32; 2]) -> Option<Vec<boo
     Some(wanted)
 }
 
-/// [`opencv_linear`] of these rows alone, which stand one after the other.
+/// Computes [`opencv_linear`] from only these rows, which are stored one after the other.
 pub(super) fn opencv_linear_of(found: &[u8], wanted: &[bool], columns: u32, size: [u32; 2]) -> RgbImage {
     let before = wanted.iter().scan(0, |count, is_wanted| {
         let place = *count;
@@ -117,20 +116,20 @@ fn interpolated<'a>(source: impl Fn(usize) -> &'a [u8], from: [u32; 2], to: [u32
     out
 }
 
-/// Weights are in 1/2048.
+/// Unit of weights, which are in 1/2048.
 const ONE: f32 = 2048.0;
 
-/// Where a pixel comes from: the first of two neighbours, and the weights of both.
+/// Sources of a pixel: the first of two neighbours, and the weights of both.
 #[derive(Clone, Copy)]
 struct Tap {
-    /// -1 for the one before the border.
+    /// Index of the first; -1 before the border.
     first: isize,
     weights: [i32; 2],
 }
 
 impl Tap {
-    /// Of the pixel `i` of `to`, among `from`. Where it is held, the border pixel counts alone beyond the border: OpenCV does so across, and
-    /// holds rows at the border down.
+    /// Returns the tap of pixel `i` of `to`, among `from`. If `is_held`, only the border pixel counts beyond the border: as in OpenCV across; down,
+    /// rows are clamped to the border instead.
     fn new(i: usize, from: usize, to: usize, is_held: bool) -> Tap {
         let scale = 1.0 / (to as f64 / from as f64);
         let at = ((i as f64 + 0.5) * scale - 0.5) as f32;
@@ -142,13 +141,13 @@ impl Tap {
         Tap { first, weights }
     }
 
-    /// The two neighbours among so many rows.
+    /// Returns the two neighbours, clamped to this number of rows.
     fn rows(self, count: usize) -> [usize; 2] {
         [self.first, self.first + 1].map(|row| row.clamp(0, count as isize - 1) as usize)
     }
 }
 
-/// A row of the source at the new width, in 1/2048.
+/// Row of the source at the new width, in 1/2048.
 struct Row {
     number: Option<usize>,
     sums: Vec<i32>,

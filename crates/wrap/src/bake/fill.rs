@@ -1,4 +1,4 @@
-//! The image: each texel is the mean, in linear light, of the colours of its place on the surface.
+//! Rasterisation of the image: each texel is the mean, in linear light, of the colours of its place on the surface.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -12,37 +12,37 @@ use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::light;
 use scaleproof_surface::texture::Texture;
 
-/// Points along each side of a texel at which colours are taken.
+/// Number of sample points along each side of a texel.
 const SAMPLES: usize = 4;
-/// Rows that one thread fills at a time.
+/// Number of rows that one thread fills at a time.
 const BAND: usize = 64;
 
-/// A face with its corners in texels, from the image's top left corner.
+/// Face with its corners in texels, from the image's top left corner.
 struct Placed<'a> {
     face: &'a BakedFace,
     chart: u32,
     corners: [[f64; 2]; 3],
-    /// `None` where it has no area in the image.
+    /// Triangle in the image; `None` if it has no area there.
     flat: Option<PlaneTriangle>,
 }
 
-/// A texel while its colours are gathered.
+/// Accumulator of a texel's colours.
 #[derive(Debug, Clone, Copy, Default)]
 struct Texel {
-    /// 1 + the chart whose colours it takes; 0 as long as none does.
+    /// 1 + the index of the chart whose colours it takes; 0 as long as none does.
     owner: u32,
     sum: [f32; 3],
     count: u16,
 }
 
-/// Some rows of the image while their texels are filled.
+/// Band of rows of the image while their texels are filled.
 struct Band {
     width: usize,
     rows: Range<usize>,
     texels: Vec<Texel>,
 }
 
-/// Texels that no chart has take the colour of the nearest one that has some, so that no filter draws a border.
+/// Renders the image. Texels of no chart get the colour of the nearest one with a colour, so that filtering shows no border.
 pub(super) fn fill(mesh: &Mesh, texture: &Texture, charts: &[Vec<BakedFace>], [width, height]: [u32; 2]) -> RgbImage {
     let faces = placed(charts, [width, height]);
     let (width, height) = (width as usize, height as usize);
@@ -82,10 +82,10 @@ fn placed(charts: &[Vec<BakedFace>], [width, height]: [u32; 2]) -> Vec<Placed<'_
     placed
 }
 
-/// A face that has an area in the image.
+/// Face with an area in the image.
 type Facet<'a> = (&'a Placed<'a>, &'a PlaneTriangle);
 
-/// The faces that reach into each band of rows, in their order.
+/// Returns the faces that overlap each band of rows, in their order.
 fn by_band<'a>(faces: &'a [Placed], height: usize) -> Vec<Vec<Facet<'a>>> {
     let mut bands = vec![Vec::new(); height.div_ceil(BAND)];
     for (face, flat) in faces.iter().filter_map(|face| Some((face, face.flat.as_ref()?))) {
@@ -106,7 +106,7 @@ impl Band {
         }
     }
 
-    /// A texel belongs to the chart that its centre lies in.
+    /// Assigns texels to the chart that contains their centre.
     fn claim(&mut self, faces: &[Facet]) {
         self.each_texel(faces, |texel, face, flat, [x, y]| {
             if texel.owner == 0 && flat.barycentric([x + 0.5, y + 0.5]).is_some() {
@@ -115,7 +115,7 @@ impl Band {
         });
     }
 
-    /// Adds the colours of each texel's points in its chart. A texel whose centre lies in no chart belongs to the first with a point in it.
+    /// Adds the colours of each texel's points in its chart. A texel whose centre is in no chart belongs to the first with a point in it.
     fn gather(&mut self, mesh: &Mesh, texture: &Texture, faces: &[Facet]) {
         self.each_texel(faces, |texel, face, flat, [x, y]| {
             if ![0, face.chart].contains(&texel.owner) {
@@ -134,7 +134,7 @@ impl Band {
         });
     }
 
-    /// Visits every texel that a face meets, face by face, with the texel's top left corner.
+    /// Visits every texel that a face overlaps, face by face, with the texel's top left corner.
     fn each_texel(&mut self, faces: &[Facet], mut visit: impl FnMut(&mut Texel, &Placed, &PlaneTriangle, [f64; 2])) {
         for (face, flat) in faces {
             for y in flat.cells(1, self.rows.clone()) {
@@ -153,7 +153,7 @@ impl Band {
     }
 }
 
-/// A face between the points gets the texel that it lies in, when no other has it.
+/// Colours the texel of each face that contains no sample point, if the texel has no colour.
 fn give_small_ones_a_texel(
     mesh: &Mesh,
     texture: &Texture,
@@ -171,7 +171,7 @@ fn give_small_ones_a_texel(
     }
 }
 
-/// Gives every texel without a colour that of the nearest with one.
+/// Gives every texel without a colour that of the nearest one with a colour.
 fn spread(texels: &mut [Option<[u8; 3]>], width: usize) {
     let height = texels.len() / width;
     let mut border: VecDeque<usize> = (0..texels.len()).filter(|i| texels[*i].is_some()).collect();

@@ -1,4 +1,4 @@
-//! Binary glTF 2.0 with its images inside. Its frame is the format's: front to +z, up to +y; a unit of the mesh's file is a metre.
+//! Writing of binary glTF 2.0 with embedded images. Its frame is the format's: front to +z, up to +y; a unit of the mesh's file is a metre.
 
 use nalgebra::Matrix3;
 use serde_json::{Value, json};
@@ -6,12 +6,12 @@ use serde_json::{Value, json};
 use super::model::{Distinct, TexturedModel, ending};
 use scaleproof_surface::mesh::{Mesh, Wrap};
 
-/// The constants of OpenGL that the format uses.
+/// OpenGL constants used by the format.
 const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
 const NEAREST: u32 = 9728;
 
-/// What accumulates while the file is put together.
+/// Parts of the file that accumulate while it is written.
 #[derive(Default)]
 struct Parts {
     bytes: Vec<u8>,
@@ -19,7 +19,7 @@ struct Parts {
     accessors: Vec<Value>,
 }
 
-/// `turn`: the rotation from the mesh file's frame into the model frame.
+/// Returns the file. `turn`: the rotation from the mesh file's frame into the model frame.
 pub fn write(mesh: &Mesh, model: &TexturedModel, turn: &Matrix3<f64>) -> Vec<u8> {
     // The model's x is the front, y the left, z the top.
     let to_gltf = Matrix3::new(0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0) * turn;
@@ -40,7 +40,7 @@ pub fn write(mesh: &Mesh, model: &TexturedModel, turn: &Matrix3<f64>) -> Vec<u8>
                 _ => json!({"wrapS": s, "wrapT": t}),
             });
         }
-        // A shell is seen from both sides, as in the previews.
+        // A shell is visible from both sides, as in the previews.
         materials.push(json!({"name": skin.name, "pbrMetallicRoughness": look, "doubleSided": true}));
         primitives.extend(parts.primitive(mesh, model, i, &to_gltf));
     }
@@ -67,14 +67,14 @@ pub fn write(mesh: &Mesh, model: &TexturedModel, turn: &Matrix3<f64>) -> Vec<u8>
 }
 
 impl Parts {
-    /// The faces of a material; `None` when it has none.
+    /// Adds the faces of a material as a primitive; `None` if it has none.
     fn primitive(&mut self, mesh: &Mesh, model: &TexturedModel, skin: usize, to_gltf: &Matrix3<f64>) -> Option<Value> {
         let mut corners = Distinct::<5>::default();
         let mut indices = Vec::new();
         for face in model.faces.iter().filter(|face| face.skin == skin) {
             for (i, place) in face.places_mm.iter().enumerate() {
                 let [x, y, z]: [f64; 3] = (to_gltf * mesh.in_file(place).coords).into();
-                // The format's v counts down.
+                // The format's v points down.
                 let [u, v] = face.coordinates.map_or([0.0, 1.0], |uv| uv[i]);
                 indices.push(corners.index_of([x, y, z, u, 1.0 - v]) as u32);
             }
@@ -123,7 +123,7 @@ fn constant(wrap: Wrap) -> u32 {
     }
 }
 
-/// Header, the tree of JSON, the binary chunk (glTF 2.0, section 4.4).
+/// Assembles header, JSON chunk and binary chunk (glTF 2.0, section 4.4).
 fn container(mut tree: Vec<u8>, bytes: Vec<u8>) -> Vec<u8> {
     tree.resize(tree.len().next_multiple_of(4), b' ');
     let total = 12 + 8 + tree.len() + 8 + bytes.len();

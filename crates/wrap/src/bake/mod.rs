@@ -1,7 +1,7 @@
-//! A texture of any kind as one image on texture coordinates, as simulators take it.
+//! Baking of a texture of any kind into one image on texture coordinates, as simulators need it.
 //!
-//! The coordinates are the mesh's own where they can be kept ([`own`]), else those of its paint, unwrapped and packed ([`packing`]). Each texel is the mean
-//! of the colours on its place of the surface (`fill.rs`). [`write_obj`] and [`write_glb`] write the mesh with these coordinates.
+//! The mesh's own coordinates are kept if possible ([`own`]), else its paint is unwrapped and packed ([`packing`]). Each texel is the mean of the
+//! colours on its place of the surface (`fill.rs`). [`write_obj`] and [`write_glb`] write the mesh with these coordinates.
 
 mod fill;
 mod glb;
@@ -25,10 +25,10 @@ use scaleproof_core::geometry;
 use scaleproof_surface::mesh::{Mesh, doubled_area};
 use scaleproof_surface::texture::{SurfacePoint, Texture};
 
-/// A smaller image shows no pattern, and a larger one no engine loads.
+/// Sides of the image in pixels: a smaller one shows no pattern, and a larger one no engine loads.
 const SIDE_PX: std::ops::RangeInclusive<u32> = 64..=8192;
 
-/// Why there is no image.
+/// Reason why there is no image.
 #[derive(Debug, thiserror::Error)]
 pub enum BakeError {
     #[error("the sides of a texture's image are 64 to 8192 px, not {width} × {height}")]
@@ -43,19 +43,19 @@ pub enum BakeError {
     Unwrap(#[from] UnwrapError),
 }
 
-/// A triangle, or a part of one, in the image.
+/// Triangle, or a part of one, in the image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BakedFace {
-    /// Of the mesh.
+    /// Index of the triangle in the mesh.
     pub triangle: usize,
-    /// The barycentric place of each corner in that triangle.
+    /// Barycentric coordinates of each corner in that triangle.
     pub weights: [[f64; 3]; 3],
-    /// u to the right, v up, the image fills the unit square.
+    /// Texture coordinates: u to the right, v up, the image fills the unit square.
     pub uv: [[f64; 2]; 3],
 }
 
 impl BakedFace {
-    /// Its area in the image, in the unit of its coordinates.
+    /// Returns its area in the image, in the unit of its coordinates.
     fn texels(&self) -> f64 {
         let [a, b, c] = self.uv;
         0.5 * geometry::doubled_area(a, b, c).abs()
@@ -66,29 +66,29 @@ impl BakedFace {
     }
 }
 
-/// The image and where each part of the paint lies in it.
+/// The image and the place of each part of the paint in it.
 #[derive(Debug, Clone)]
 pub struct Baked {
     pub image: RgbImage,
-    /// By triangle.
+    /// Faces, sorted by triangle.
     pub faces: Vec<BakedFace>,
-    /// Parts of the image whose paint hangs together.
+    /// Number of connected parts of the paint in the image.
     pub charts: usize,
-    /// Why the mesh's own coordinates are not kept.
+    /// Reason why the mesh's own coordinates are not kept.
     pub unwrapped: Option<NotKept>,
-    /// Side of a texel on the model, where it has the mean area.
+    /// Side of a texel of mean area on the model.
     pub texel_mm: f64,
 }
 
-/// What is baked, and how.
+/// Mesh, texture and size of a baked image.
 pub struct BakeRequest<'a> {
     pub mesh: &'a Mesh,
-    /// The paint's; all when empty.
+    /// Indices of the paint's materials; all if empty.
     pub materials: &'a [usize],
     pub texture: &'a Texture,
-    /// Width, height.
+    /// Width and height of the image.
     pub size_px: [u32; 2],
-    /// Unwrap the paint even where the mesh's own coordinates could be kept.
+    /// True to unwrap the paint even if the mesh's own coordinates could be kept.
     pub unwrap: bool,
 }
 
@@ -140,10 +140,10 @@ fn finished(mesh: &Mesh, image: RgbImage, charts: Vec<Vec<BakedFace>>, unwrapped
     }
 }
 
-/// A part of the paint, flat: each face with its corners in mm.
+/// Flattened part of the paint: each face with its corners in mm.
 type FlatChart = Vec<BakedFace>;
 
-/// The paint in pieces. What has none, as it has no area or is there twice, is a piece of its own.
+/// Flattens the paint into pieces. A triangle in no piece, since it has no area or is duplicated, becomes a piece of its own.
 fn flattened(mesh: &Mesh, materials: &[usize], paint: &[usize]) -> Result<Vec<FlatChart>, BakeError> {
     let request = UnwrapRequest {
         hidden_too: true,
@@ -156,7 +156,7 @@ fn flattened(mesh: &Mesh, materials: &[usize], paint: &[usize]) -> Result<Vec<Fl
             weights: face.weights,
             uv: face.flat_mm,
         };
-        // Pieces turn faces whose back is outside; the mesh's own order of corners says which side of a face is lit.
+        // Unwrapping flips faces whose back is outside; the mesh's own order of corners defines the lit side of a face.
         if Matrix3::from_fn(|r, c| face.weights[r][c]).determinant() < 0.0 {
             baked.weights.swap(1, 2);
             baked.uv.swap(1, 2);
@@ -177,7 +177,7 @@ fn flattened(mesh: &Mesh, materials: &[usize], paint: &[usize]) -> Result<Vec<Fl
     Ok(charts)
 }
 
-/// A triangle at true size.
+/// Lays a triangle flat at true size.
 fn alone(mesh: &Mesh, triangle: usize) -> BakedFace {
     let [a, b, c] = mesh.triangle_mm(triangle);
     let along = b - a;

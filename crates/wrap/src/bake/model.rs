@@ -1,4 +1,4 @@
-//! A mesh as it is written: every triangle with the coordinates of the baked image, and what the other materials look like.
+//! Textured mesh for writing: every triangle with its coordinates in the baked image, and the appearance of the other materials.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -11,36 +11,36 @@ use scaleproof_core::files;
 use scaleproof_surface::mesh::{ImageSource, Look, Mesh, TextureCoordinates, Wrap};
 use scaleproof_surface::texture::SurfacePoint;
 
-/// Materials of which the file says nothing.
+/// Colour of materials without one in the file.
 const GREY: [f64; 3] = [0.2; 3];
 
-/// A mesh with a material and coordinates for each face.
+/// Mesh with a material and coordinates for each face.
 pub struct TexturedModel {
     pub faces: Vec<TexturedFace>,
-    /// As in the mesh.
+    /// Materials, in the mesh's order.
     pub skins: Vec<Skin>,
-    /// The baked one is the first.
+    /// Image files; the first is the baked one.
     pub images: Vec<Arc<[u8]>>,
 }
 
 pub struct TexturedFace {
-    /// Model frame, mm.
+    /// Corners in the model frame, mm.
     pub places_mm: [Point3<f64>; 3],
     pub coordinates: Option<TextureCoordinates>,
     pub skin: usize,
 }
 
 pub struct Skin {
-    /// Unique, without blanks.
+    /// Unique name without blanks.
     pub name: String,
-    /// Linear light.
+    /// Base colour, linear light.
     pub factor: [f64; 3],
-    /// Its image, and what lies beyond its borders.
+    /// Index of its image, and wrap modes beyond the image's borders.
     pub image: Option<(usize, [Wrap; 2])>,
 }
 
 impl TexturedModel {
-    /// `png`: the baked image's file. The images of other materials that cannot be read are left out: their factor stays.
+    /// Creates the model; `png`: the baked image's file. Images of other materials that cannot be read are left out: their base colour stays.
     pub fn new(mesh: &Mesh, materials: &[usize], baked: &Baked, png: &[u8]) -> Self {
         let mut model = Self {
             faces: Vec::with_capacity(mesh.triangles().len()),
@@ -81,7 +81,7 @@ impl TexturedModel {
         Skin { name, factor, image }
     }
 
-    /// The index of a material's image, which is read where it is new.
+    /// Returns the index of a material's image; reads it if it is new.
     fn image(&mut self, look: &Look) -> Option<(usize, [Wrap; 2])> {
         let bytes: Arc<[u8]> = match look.image.as_ref()? {
             ImageSource::Inside(bytes, range) => bytes.get(range.clone())?.into(),
@@ -96,7 +96,7 @@ impl TexturedModel {
         Some((index, look.wrap))
     }
 
-    /// Programs take a material's name up to its first blank, or its whole line.
+    /// Returns a unique name without blanks: programs read a material's name up to its first blank, or the whole line.
     fn free_name(&self, name: &str) -> String {
         let plain = name.replace(|c: char| c.is_whitespace() || c.is_control(), "_");
         let is_taken = |name: &String| self.skins.iter().any(|skin| skin.name == *name);
@@ -110,7 +110,7 @@ pub(super) fn ending(image: &[u8]) -> &'static str {
     if image.starts_with(&[0xff, 0xd8]) { "jpg" } else { "png" }
 }
 
-/// Different values in the order in which they came first.
+/// Distinct values in the order of their first occurrence.
 #[derive(Default)]
 pub(super) struct Distinct<const N: usize> {
     pub values: Vec<[f32; N]>,
@@ -118,7 +118,7 @@ pub(super) struct Distinct<const N: usize> {
 }
 
 impl<const N: usize> Distinct<N> {
-    /// As 32 bits, which is what these formats have.
+    /// Returns the index of a value, rounded to the formats' 32 bits; adds it if it is new.
     pub(super) fn index_of(&mut self, value: [f64; N]) -> usize {
         let value = value.map(|v| v as f32 + 0.0);
         let values = &mut self.values;

@@ -1,4 +1,4 @@
-//! Wavefront OBJ with its material library, in the frame and unit of the mesh's own file.
+//! Writing of Wavefront OBJ with its material library, in the frame and unit of the mesh's own file.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use super::model::{Distinct, TexturedModel, ending};
 use scaleproof_surface::mesh::{Mesh, Wrap};
 use scaleproof_surface::pattern::light;
 
-/// The .obj, the .mtl and the images of other materials, beside the baked image `png`, whose name they take.
+/// Returns the .obj, the .mtl and the images of other materials, named after the baked image `png` and placed beside it.
 pub fn write(mesh: &Mesh, model: &TexturedModel, png: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let stem = png.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let name = |(i, image): (usize, &std::sync::Arc<[u8]>)| match i {
@@ -54,7 +54,7 @@ fn faces(mesh: &Mesh, model: &TexturedModel, stem: &str) -> String {
 fn library(model: &TexturedModel, images: &[String]) -> String {
     let mut text = String::new();
     for skin in &model.skins {
-        // The format's colours are as they are shown.
+        // The format's colours are sRGB-encoded.
         let [r, g, b] = skin.factor.map(light::encode);
         let _ = writeln!(text, "newmtl {}\nKd {r:.4} {g:.4} {b:.4}", skin.name);
         if let Some((image, wrap)) = skin.image {

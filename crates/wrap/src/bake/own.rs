@@ -1,4 +1,4 @@
-//! Whether a mesh's own texture coordinates can hold an image: every triangle has a place, and no two have the same.
+//! Test if a mesh's own texture coordinates can hold an image: every triangle has an area of its own.
 
 use std::collections::HashMap;
 
@@ -7,14 +7,14 @@ use crate::unwrap::WHOLE;
 use scaleproof_core::geometry::{PlaneTriangle, UnionFind, doubled_area};
 use scaleproof_surface::mesh::{Mesh, TextureCoordinates};
 
-/// Overlaps are looked for in this many rows and columns.
+/// Rows and columns of the grid used to find overlaps.
 const GRID: usize = 2048;
-/// This share may lie on each other, or have no place: what exporters round.
+/// Share that may overlap or have no area, due to exporters' rounding.
 const SLACK: f64 = 1e-3;
-/// So far beyond the unit square is rounding.
+/// Distance beyond the unit square that counts as rounding.
 const BEYOND: f64 = 1e-4;
 
-/// Why a mesh's own coordinates hold no image.
+/// Reason why a mesh's own coordinates cannot hold an image.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NotKept {
     #[error("as asked")]
@@ -23,15 +23,15 @@ pub enum NotKept {
     Missing,
     #[error("as the mesh's own texture coordinates leave the image")]
     Outside,
-    /// Triangles with area have none in the image.
+    /// Some triangles with area have none in the image.
     #[error("as the mesh's own texture coordinates give some of it no room")]
     NoArea,
-    /// This share of the image that is used is used twice.
+    /// Some of the used part of the image is used twice; this share of it.
     #[error("as the mesh's own texture coordinates overlap (on {:.1} % of the image they use)", (100.0 * .0).max(0.1))]
     Overlap(f64),
 }
 
-/// The paint's triangles on the mesh's own coordinates, those together that hang together there.
+/// Returns the paint's triangles on the mesh's own coordinates, grouped into the parts connected there.
 pub(super) fn charts(mesh: &Mesh, paint: &[usize]) -> Result<Vec<Vec<BakedFace>>, NotKept> {
     let coordinates = paint.iter().map(|t| mesh.coordinates(*t));
     let uv = coordinates
@@ -59,7 +59,7 @@ pub(super) fn charts(mesh: &Mesh, paint: &[usize]) -> Result<Vec<Vec<BakedFace>>
     Ok(connected(mesh, paint, &uv))
 }
 
-/// The share of the used places of a grid that more than one triangle has inside.
+/// Returns the share of the used grid points that lie inside more than one triangle.
 fn overlap(uv: &[TextureCoordinates]) -> f64 {
     let mut times = vec![0_u8; GRID * GRID];
     for corners in uv {
@@ -68,7 +68,7 @@ fn overlap(uv: &[TextureCoordinates]) -> f64 {
             continue;
         };
         triangle.draw([GRID; 2], 0.0, |x, y, shares| {
-            // Strictly inside, so that neighbours share no place.
+            // Strictly inside, so that neighbours share no grid point.
             if shares.iter().all(|share| *share > 1e-6) {
                 let count = &mut times[y * GRID + x];
                 *count = count.saturating_add(1);
@@ -80,7 +80,7 @@ fn overlap(uv: &[TextureCoordinates]) -> f64 {
     twice as f64 / used.max(1) as f64
 }
 
-/// Triangles that share an edge of the mesh and its place in the image.
+/// Groups triangles that share an edge of the mesh with equal coordinates in the image.
 fn connected(mesh: &Mesh, paint: &[usize], uv: &[TextureCoordinates]) -> Vec<Vec<BakedFace>> {
     type Corner = (usize, [u32; 2]);
     let corner = |point: usize, uv: [f64; 2]| -> Corner { (point, uv.map(|v| (v as f32).to_bits())) };

@@ -1,17 +1,17 @@
-//! Flat charts in an image, as large as they fit: each upright in its smallest rectangle, the highest first, each where it comes to lie lowest on
-//! those that are there (Lévy et al. 2002, Least Squares Conformal Maps, section 4).
+//! Packing of flat charts into an image at the largest scale that fits: each upright in its smallest rectangle, the highest first, each at the lowest
+//! position on top of those placed before (Lévy et al. 2002, Least Squares Conformal Maps, section 4).
 
 use super::{BakeError, BakedFace, FlatChart};
 use scaleproof_core::geometry::extent;
 
-/// Around each chart, as a share of the image's shorter side; at least one texel is free.
+/// Margin around each chart, as a share of the image's shorter side; at least one texel is free.
 pub(super) const ROOM: f64 = 1.0 / 512.0;
-/// Halvings of the interval in which the scale is looked for.
+/// Number of bisection steps for the scale.
 const STEPS: usize = 7;
-/// Charts never fill so much of an image, and less than the other share is no use.
+/// Upper and lower bound of the share of the image that charts fill.
 const SHARES: (f64, f64) = (0.95, 0.02);
 
-/// Packs charts into an image, as large as they fit: coordinates in the unit square.
+/// Packs charts into an image at the largest scale that fits; returns coordinates in the unit square.
 pub(super) fn into_image(
     charts: &[FlatChart],
     [width, height]: [u32; 2],
@@ -42,14 +42,14 @@ pub(super) fn into_image(
     Ok(upright.into_iter().zip(spots).map(moved).collect())
 }
 
-/// Turned so that the box around it is smallest and stands upright, its lower left corner at the origin.
+/// Rotates a chart so that its bounding box is smallest and upright, with the lower left corner at the origin.
 fn upright(chart: &FlatChart) -> FlatChart {
     let points: Vec<[f64; 2]> = chart.iter().flat_map(|face| face.uv).collect();
     let turned = |p: &[f64; 2], [cos, sin]: [f64; 2]| [cos * p[0] + sin * p[1], cos * p[1] - sin * p[0]];
     let extents = |turn| [0, 1].map(|axis: usize| extent(points.iter().map(|p| turned(p, turn)[axis])));
     let size = |turn| extents(turn).map(|(low, high)| high - low);
     let mut best = [1.0, 0.0];
-    // To two degrees: finer gains nothing.
+    // Steps of two degrees: finer ones gain nothing.
     for step in 1..45 {
         let (sin, cos) = (2.0 * f64::from(step)).to_radians().sin_cos();
         let (new, old) = (size([cos, sin]), size(best));
@@ -71,7 +71,7 @@ fn upright(chart: &FlatChart) -> FlatChart {
     chart
 }
 
-/// What a chart covers of each column of texels: from, to.
+/// Returns the vertical span of a chart in each column of texels: from, to.
 fn profile(chart: &FlatChart, scale: f64, room: f64) -> Vec<[f64; 2]> {
     let points = chart.iter().flat_map(|face| face.uv);
     let right = points.map(|p| p[0] * scale).fold(0.0, f64::max);
@@ -86,7 +86,7 @@ fn profile(chart: &FlatChart, scale: f64, room: f64) -> Vec<[f64; 2]> {
     spans
 }
 
-/// Adds an edge with room around it.
+/// Adds an edge with room around it to the spans.
 fn cover(spans: &mut [[f64; 2]], p: [f64; 2], q: [f64; 2], room: f64) {
     let (p, q) = if p[0] <= q[0] { (p, q) } else { (q, p) };
     let at = |x: f64| match q[0] - p[0] {
@@ -95,7 +95,7 @@ fn cover(spans: &mut [[f64; 2]], p: [f64; 2], q: [f64; 2], room: f64) {
     };
     let (first, last) = ((p[0] - room).floor().max(0.0) as usize, (q[0] + room).floor() as usize);
     for (column, span) in spans.iter_mut().enumerate().take(last + 1).skip(first) {
-        // What lies within the room of this column.
+        // Part of the edge within the room of this column.
         let ends = [at(column as f64 - room), at(column as f64 + 1.0 + room)];
         let ends = if q[0] - p[0] < 1e-9 { [p[1], q[1]] } else { ends };
         span[0] = span[0].min(ends[0].min(ends[1]) - room);
@@ -103,7 +103,7 @@ fn cover(spans: &mut [[f64; 2]], p: [f64; 2], q: [f64; 2], room: f64) {
     }
 }
 
-/// How far each chart is moved, in texels; `None` when they do not fit.
+/// Returns the offset of each chart, in texels; `None` if they do not fit.
 fn placed(charts: &[FlatChart], scale: f64, room: f64, [width, height]: [u32; 2]) -> Option<Vec<[f64; 2]>> {
     let (width, height) = (width as usize, f64::from(height));
     let profiles: Vec<_> = charts.iter().map(|chart| profile(chart, scale, room)).collect();
@@ -126,7 +126,7 @@ fn placed(charts: &[FlatChart], scale: f64, room: f64, [width, height]: [u32; 2]
     Some(spots)
 }
 
-/// The column at which a chart lies lowest on the charts below it, and how high that is; `None` when it is too wide.
+/// Returns the column at which a chart lies lowest on the charts below it, and its height there; `None` if it is too wide.
 fn lowest(horizon: &[f64], spans: &[[f64; 2]]) -> Option<(usize, f64)> {
     let mut best: Option<(usize, f64)> = None;
     for column in 0..=horizon.len().checked_sub(spans.len())? {

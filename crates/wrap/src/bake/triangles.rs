@@ -1,4 +1,4 @@
-//! A texture as one image in which every triangle of the paint lies whole, for renderers that draw what they are given.
+//! Texture as one image in which every triangle of the paint lies whole, for renderers that take only such images.
 
 use std::sync::Arc;
 
@@ -8,26 +8,26 @@ use super::{BakeError, FlatChart, alone, fill, packing};
 use scaleproof_surface::mesh::{Mesh, TextureCoordinates, Wrap};
 use scaleproof_surface::texture::Texture;
 
-/// Sides of the image that is made of what is no image. The body of a 1:10 car gets texels of 0.2 mm at most.
+/// Sides of the image made of a texture without one. The body of a 1:10 car gets texels of 0.2 mm at most.
 const SIDES_PX: [u32; 4] = [512, 1024, 2048, 4096];
-/// Texels of it along a texel of the texture.
+/// Number of the image's texels along a texel of the texture.
 const FINER: f64 = 4.0;
-/// Its area by that of the triangles.
+/// Ratio of the image's area to that of the triangles.
 const ROOM: f64 = 2.0;
-/// A larger image is resampled: renderers keep 16 bytes a texel.
+/// Maximum side of an image that is kept; a larger one is resampled: renderers need 16 bytes per texel.
 const LARGEST_PX: u32 = 8192;
 
-/// An image, and where each triangle of the paint lies in it.
+/// Image with the place of each triangle of the paint in it.
 #[derive(Debug, Clone)]
 pub struct TriangleImage {
     pub image: Arc<RgbImage>,
-    /// What lies beyond its borders.
+    /// Wrap mode beyond its borders.
     pub wrap: Wrap,
     pub coordinates: Vec<Option<TextureCoordinates>>,
 }
 
 impl TriangleImage {
-    /// Keeps an image on texture coordinates; draws any other texture into a new image, each triangle by itself.
+    /// Keeps an image on texture coordinates; draws any other texture into a new image, each triangle separately.
     pub fn new(mesh: &Mesh, materials: &[usize], texture: &Texture) -> Result<Self, BakeError> {
         let paint: Vec<usize> = mesh.painted(materials).collect();
         if paint.is_empty() {
@@ -54,7 +54,7 @@ impl TriangleImage {
         })
     }
 
-    /// What it is made of.
+    /// Returns size, coordinates and pixels as bytes.
     pub fn bytes(&self) -> Vec<u8> {
         let (width, height) = self.image.dimensions();
         let mut bytes: Vec<u8> = [width, height].iter().flat_map(|px| px.to_le_bytes()).collect();
@@ -65,12 +65,12 @@ impl TriangleImage {
     }
 }
 
-/// So that each texel of the texture has some of the image, up to the largest.
+/// Returns a side of the image at which each texel of the texture is resolved, up to the largest.
 fn side_px(mesh: &Mesh, paint: &[usize], texture: &Texture) -> u32 {
     let texels = paint.iter().map(|triangle| {
         let mm2 = 0.5 * mesh.normal_mm2(*triangle).norm();
         let texel_mm = texture.texel_mm(mesh, *triangle);
-        // A triangle takes a few with its border.
+        // A triangle needs a few texels for its border.
         16.0 + texel_mm.map_or(0.0, |mm| mm2 * (FINER / mm).powi(2))
     });
     let side = (ROOM * texels.sum::<f64>()).sqrt();

@@ -1,4 +1,4 @@
-//! The first page: how to put the pieces on the model, what they keep, and where each goes.
+//! First page: assembly of the pieces on the model, their statistics, and the place of each.
 
 use super::{PrintedPieces, exploded};
 use scaleproof_core::spelling::list;

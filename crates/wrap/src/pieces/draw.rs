@@ -1,4 +1,4 @@
-//! The sheets: each piece where it was nested, its texture, its lines and its signs.
+//! Drawing of the sheets: each piece at its nested place, its texture, its lines and its signs.
 
 use std::sync::Arc;
 
@@ -23,11 +23,11 @@ use scaleproof_print::print::wrap::{CUT_ROOM_MM, EDGE_DASH_MM, EDGE_LINE_MM, Reg
 use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::texture::Texture;
 
-/// From the outline to the middle of the halo, which begins where the line to cut ends.
+/// Distance from the outline to the middle of the halo, which begins at the outer side of the cutting line.
 const CUT_HALO_MM: f64 = 0.45;
 const FOLD_DASH_MM: (f64, f64) = (1.5, 1.0);
 
-/// What a piece may measure so that it fits on one of the pages with all that stands around it.
+/// Returns the largest size of a piece that fits on one of the pages with everything around it.
 pub fn fits_mm(request: &PiecesRequest) -> Result<[f64; 2], PiecesError> {
     let tabs_mm = request.tabs_mm.map(length::tab_mm).transpose()?;
     pages::fits_mm(request, AROUND_MM + tabs_mm.unwrap_or(0.0))
@@ -101,9 +101,9 @@ pub fn pieces(
 
 struct Outlines {
     printed: Region,
-    /// What is printed at all: the texture and the tabs.
+    /// Printed area: the texture and the tabs.
     ink: Region,
-    /// What is cut out: the piece and its tabs.
+    /// Area to cut out: the piece and its tabs.
     cut: Region,
 }
 
@@ -119,14 +119,14 @@ impl Outlines {
         }
         Self {
             ink: grown.or(&tabs.region.grown(CUT_ROOM_MM)),
-            // Beyond a fold there is no cut that could miss, and the tab keeps clean for its letter.
+            // No cut follows a fold, so no bleed is needed there, and the tab stays clean for its letter.
             printed: grown.without(&tabs.region.without(&piece.region.grown(0.3))),
             cut: piece.region.or(&tabs.region),
         }
     }
 }
 
-/// One piece on its sheet; `image` is its texture, and where that lies there.
+/// Draws one piece on its sheet; `image` is its texture with its area there.
 fn marks(pen: &Pen, outlines: &Outlines, tabs: &Tabs, signs: &Signs, image: Option<(RgbImage, RectMm)>) -> Vec<Mark> {
     let cut_out = pen.region(&outlines.cut);
     let mut marks = Vec::new();
@@ -141,7 +141,7 @@ fn marks(pen: &Pen, outlines: &Outlines, tabs: &Tabs, signs: &Signs, image: Opti
     marks.extend(folds.map(|ends| pen.line(*ends, EDGE_LINE_MM, Some(EDGE_DASH_MM))));
     let folds = tabs.folds.iter();
     marks.extend(folds.map(|ends| pen.line(*ends, LINE_MM, Some(FOLD_DASH_MM))));
-    // White along the outer side of the line that is cut, so that it shows on a dark texture.
+    // White along the outer side of the cutting line, so that the line is visible on a dark texture.
     let halo = moved(cut_out.grown(CUT_HALO_MM).contours(), [0.0; 2]);
     marks.extend(halo.iter().flat_map(|outline| Mark::outline(outline, HALO_MM, WHITE)));
     marks.extend(cut(&cut_out));

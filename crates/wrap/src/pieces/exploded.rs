@@ -1,4 +1,4 @@
-//! The pieces moved apart, from two sides, with their numbers. What is nearer hides what is behind it, pixel by pixel.
+//! Exploded views of the pieces from two sides, with their numbers. Nearer pieces hide those behind, pixel by pixel (z-buffer).
 
 use std::sync::Arc;
 
@@ -10,19 +10,19 @@ use scaleproof_core::geometry::{PlaneTriangle, view_axes};
 use scaleproof_print::print::paint::disc;
 use scaleproof_print::print::sheet::{Mark, RectMm, WHITE};
 
-/// From where the two views look: azimuth from the front, elevation.
+/// Directions of the two views: azimuth from the front, elevation.
 const VIEWS_DEG: [(f64, f64); 2] = [(40.0, 32.0), (220.0, 32.0)];
-/// How far pieces move: as a share of their way from the middle, and along their normal as a share of the model's length.
+/// Displacement of pieces: as a share of their distance from the middle, and along their normal as a share of the model's length.
 const APART: f64 = 0.28;
 const OUTWARDS: f64 = 0.06;
 const PIXELS_PER_MM: f64 = 10.0;
-/// The pixels of both views together may be no more.
+/// Maximum number of pixels of both views together.
 const MOST_PIXELS: f64 = 4e7;
-/// The view is drawn no larger than the model.
+/// Maximum scale of the views relative to the model.
 const MOST_SCALE: f64 = 1.0;
 const NUMBER_MM: f64 = 3.2;
 const LEAST_NUMBER_MM: f64 = 1.7;
-/// Views used to find out what is seen in neither.
+/// Area of the views used to find pieces that are visible in neither.
 const PROBE: RectMm = RectMm {
     left_mm: 0.0,
     bottom_mm: 0.0,
@@ -41,10 +41,10 @@ const BACK: [u8; 3] = [226, 226, 226];
 const EDGE: [u8; 3] = [70, 70, 70];
 const NOTHING: u32 = u32::MAX;
 
-/// The colour of a piece at a place of one of its triangles: piece, triangle, shares of its corners.
+/// Returns the colour of a piece at a point of one of its triangles: piece, triangle, barycentric coordinates.
 pub type Colours<'a> = &'a dyn Fn(usize, usize, [f64; 3]) -> [u8; 3];
 
-/// Both views one above the other, or side by side where the room is wide. Without colours each piece has a tint.
+/// Draws both views one above the other, or side by side in a wide area. Without colours each piece has a tint.
 pub fn views(pieces: &[Piece], colours: Option<Colours>, room: RectMm) -> Vec<Mark> {
     let drawn = drawn(pieces, colours, room);
     let mut marks = Vec::new();
@@ -57,13 +57,13 @@ pub fn views(pieces: &[Piece], colours: Option<Colours>, room: RectMm) -> Vec<Ma
         for i in 0..pieces.len() {
             let beside = drawn[other].as_ref().map_or(0.0, |view| view.spots[i].room_mm);
             let spot = this.spots[i];
-            // A number stands where it is read well, and at least in the better view.
+            // A number is drawn where it is legible, and at least in the better view.
             if spot.room_mm > 0.0
                 && (spot.room_mm >= 1.2 || spot.room_mm > beside || (spot.room_mm == beside && view == 0))
             {
                 let size_mm = (1.5 * spot.room_mm).clamp(LEAST_NUMBER_MM, NUMBER_MM);
                 let at = (spot.x_mm, spot.y_mm);
-                // White below a number, so that it is read on any colour.
+                // White below a number, so that it is legible on any colour.
                 let below = colours.map(|_| Mark::Area {
                     outlines: vec![disc(at, 0.8 * size_mm)],
                     colour: WHITE,
@@ -76,7 +76,7 @@ pub fn views(pieces: &[Piece], colours: Option<Colours>, room: RectMm) -> Vec<Ma
     marks
 }
 
-/// The pieces that no view shows, by index.
+/// Returns the indices of the pieces that no view shows.
 pub fn unseen(pieces: &[Piece]) -> Vec<usize> {
     let drawn = drawn(pieces, None, PROBE);
     let shown = |i: usize| drawn.iter().flatten().any(|view| view.spots[i].room_mm > 0.0);
@@ -96,7 +96,7 @@ fn drawn(pieces: &[Piece], colours: Option<Colours>, room: RectMm) -> [Option<Vi
     [view(VIEWS_DEG[0], first), view(VIEWS_DEG[1], second)]
 }
 
-/// Where a number stands and how much room it has around it; 0 where the piece does not show.
+/// Position of a number and the free room around it; 0 if the piece is not visible.
 #[derive(Debug, Clone, Copy, Default)]
 struct NumberSpot {
     x_mm: f64,
@@ -106,9 +106,9 @@ struct NumberSpot {
 
 #[derive(Debug, Clone, Copy)]
 struct Pixel {
-    /// Towards the viewer.
+    /// Depth towards the viewer.
     depth: f64,
-    /// Twice the index of the piece, and 1 more for its back.
+    /// Twice the index of the piece, plus 1 for its back.
     id: u32,
     rgb: [u8; 3],
 }
@@ -186,7 +186,7 @@ impl View {
         Some(view)
     }
 
-    /// Draws a triangle in the pixels where it is the nearest so far.
+    /// Draws a triangle in the pixels where it is nearest so far.
     fn triangle(&mut self, corners: [[f64; 3]; 3], id: u32, colour: impl Fn([f64; 3]) -> [u8; 3]) {
         let Some(flat) = PlaneTriangle::new(corners.map(|[x, y, _]| [x, y])) else {
             return;
@@ -203,7 +203,7 @@ impl View {
         });
     }
 
-    /// Of each piece the pixel of its front that is farthest from anything else.
+    /// Finds, for each piece, the pixel of its front that is farthest from anything else.
     fn find_spots(&mut self, pixel_mm: f64) {
         let distance = self.to_others();
         let ids = self.pixels.iter().map(|pixel| pixel.id).enumerate();
@@ -221,7 +221,7 @@ impl View {
         }
     }
 
-    /// Thrice the distance in pixels to the nearest pixel that shows something else (chamfer distance: Borgefors 1986).
+    /// Returns thrice the distance in pixels to the nearest pixel that shows something else (chamfer distance: Borgefors 1986).
     fn to_others(&self) -> Vec<u32> {
         let (width, height) = (self.width as i64, self.height as i64);
         let mut distance = vec![u32::MAX / 2; self.pixels.len()];

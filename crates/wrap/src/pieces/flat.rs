@@ -1,4 +1,4 @@
-//! A piece in its plane: outline, border edges, creases, and which way it looks on the model.
+//! Piece in its plane: outline, border edges, folds, and its orientation on the model.
 
 use std::collections::BTreeMap;
 
@@ -11,36 +11,36 @@ use scaleproof_print::print::sheet::sides;
 use scaleproof_print::print::wrap::{Point, Region};
 use scaleproof_surface::mesh::doubled_area;
 
-/// Edges bent by more than this are drawn.
+/// Bend of an edge above which it is drawn.
 const FOLD_DEG: f64 = 30.0;
-/// Corners this near to each other on paper are one.
+/// Distance on paper below which corners are the same.
 const SAME_MM: f64 = 1e-6;
 
-/// An edge of the piece's border.
+/// Edge of the piece's border.
 #[derive(Debug, Clone, Copy)]
 pub struct Border {
-    /// Its ends among the points of all pieces, rising.
+    /// Indices of its ends among the points of all pieces, ascending.
     pub ends: [usize; 2],
     /// Its ends on paper, mm.
     pub flat: [Point; 2],
-    /// A unit vector on paper, away from the piece.
+    /// Unit vector on paper, away from the piece.
     pub outward: Point,
 }
 
 #[derive(Debug, Clone)]
 pub struct Piece {
     pub triangles: Vec<FlatTriangle>,
-    /// The triangles' corners in space, model frame, mm.
+    /// Corners of the triangles in space, model frame, mm.
     pub corners: Vec<[Point3<f64>; 3]>,
     pub region: Region,
     pub borders: Vec<Border>,
-    /// Edges within the piece that the model bends at.
+    /// Edges within the piece at which the model bends.
     pub folds: Vec<[Point; 2]>,
     pub surface_mm2: f64,
-    /// The mean of its normals and its middle, model frame.
+    /// Mean normal; `middle` is the centre, both in the model frame.
     pub normal: Vector3<f64>,
     pub middle: Point3<f64>,
-    /// A unit vector on paper that points up on the model, or to its front where the piece looks up.
+    /// Unit vector on paper that points up on the model, or to its front if the piece faces up.
     pub up: Point,
 }
 
@@ -77,7 +77,7 @@ impl Piece {
     }
 }
 
-/// The direction of the narrowest box's long side: one of the box's sides lies on an edge of the convex hull.
+/// Returns the direction of the narrowest bounding box's long side: one of the box's sides lies on an edge of the convex hull.
 fn along_x(chart: &Chart) -> Point {
     let hull = convex_hull(chart.faces.iter().flat_map(|f| f.flat_mm).collect());
     let mut best = (f64::INFINITY, [1.0, 0.0]);
@@ -99,9 +99,9 @@ fn along_x(chart: &Chart) -> Point {
     best.1
 }
 
-/// The borders, and the inner edges that are bent.
+/// Returns the borders, and the inner edges that are bent.
 fn edges(chart: &Chart, corners: &[[Point3<f64>; 3]], triangles: &[FlatTriangle]) -> (Vec<Border>, Vec<[Point; 2]>) {
-    // Of each edge, its sides: the face, and the ends on paper in the order of the edge's key.
+    // For each edge, its sides: the face, and the ends on paper in the order of the edge's key.
     let mut sides = BTreeMap::<[usize; 2], Vec<(usize, [Point; 2])>>::new();
     for (f, face) in chart.faces.iter().enumerate() {
         for i in 0..3 {
@@ -134,7 +134,7 @@ fn edges(chart: &Chart, corners: &[[Point3<f64>; 3]], triangles: &[FlatTriangle]
     (borders, folds)
 }
 
-/// Whether two places on paper are one.
+/// Returns true if two points on paper coincide.
 pub fn near(p: Point, q: Point) -> bool {
     distance(p, q) < SAME_MM
 }
@@ -160,7 +160,7 @@ fn means(corners: &[[Point3<f64>; 3]]) -> (Vector3<f64>, Point3<f64>) {
     (normal, Point3::from(middle / f64::max(area, f64::MIN_POSITIVE)))
 }
 
-/// The gradient of the height (or of the way to the front) on paper, mean over the piece.
+/// Returns the mean gradient over the piece, on paper, of the height (or of the forward direction).
 fn up(corners: &[[Point3<f64>; 3]], triangles: &[FlatTriangle], normal: &Vector3<f64>) -> Point {
     let to = if normal.z.abs() > 0.7 {
         Vector3::x()
@@ -171,7 +171,7 @@ fn up(corners: &[[Point3<f64>; 3]], triangles: &[FlatTriangle], normal: &Vector3
     for (corners, flat) in corners.iter().zip(triangles) {
         let [a, b, c] = flat.flat_mm;
         let [ha, hb, hc] = corners.map(|p| p.coords.dot(&to));
-        // Twice the area times the gradient of what is linear on the triangle.
+        // Twice the area times the gradient of a linear function on the triangle.
         sum[0] += (hb - ha) * (c[1] - a[1]) - (hc - ha) * (b[1] - a[1]);
         sum[1] += (hc - ha) * (b[0] - a[0]) - (hb - ha) * (c[0] - a[0]);
     }

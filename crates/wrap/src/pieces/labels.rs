@@ -1,4 +1,4 @@
-//! What stands beside a piece: the letters of its seams, ticks where seams end, and its number. All of it outside the ink, and apart.
+//! Signs beside a piece: the letters of its seams, ticks where seams end, and its number; all outside the ink, and without overlaps.
 
 use super::BLEED_MM;
 use super::flat::Piece;
@@ -7,45 +7,45 @@ use scaleproof_core::geometry::{between, distance, nearest_share, offset};
 use scaleproof_print::print::buckets::{Buckets, bounds};
 use scaleproof_print::print::wrap::{Point, Region};
 
-/// Half the room of a letter, and of two letters.
+/// Radius of a letter's room, and of two letters'.
 const LETTER_MM: f64 = 1.6;
 const LETTERS_MM: f64 = 2.2;
-/// Shares of these that are tried.
+/// Size factors that are tried.
 const SIZES: [f64; 2] = [1.0, 0.75];
-/// The ring around a piece's number.
+/// Radius of the ring around a piece's number.
 pub const NUMBER_RING_MM: f64 = 3.0;
-/// The ring and the arrow at it.
+/// Radius of the ring with its arrow.
 const NUMBER_MM: f64 = 4.4;
-/// Between labels, and between labels and ink.
+/// Gap between labels, and between labels and ink.
 const CLEAR_MM: f64 = 0.3;
-/// How far from the border a label may stand.
+/// Maximum distance of a label from the border.
 const FARTHEST_MM: f64 = 24.0;
-/// Between two ticks along a seam.
+/// Distance between two ticks along a seam.
 const TICKS_MM: f64 = 40.0;
-/// How far ticks run out beyond the ink, at the ends of a seam and along it.
+/// Length of ticks beyond the ink, at the ends of a seam and along it.
 const END_TICK_MM: f64 = 1.6;
 const TICK_MM: f64 = 0.8;
-/// Directions that a leader takes, off the one straight away from the border.
+/// Directions of a leader, relative to the outward normal of the border.
 const TURNS_DEG: [f64; 13] = [
     0.0, 20.0, -20.0, 40.0, -40.0, 60.0, -60.0, 80.0, -80.0, 100.0, -100.0, 120.0, -120.0,
 ];
 
-/// A sign beside a piece, in the piece's plane.
+/// Sign beside a piece, in the piece's plane.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Label {
     pub text: String,
     pub at: Point,
     pub radius_mm: f64,
-    /// On the border: what it names.
+    /// Point of the border that it names.
     pub names: Point,
     pub is_number: bool,
 }
 
-/// All that stands beside one piece.
+/// All signs beside one piece.
 #[derive(Debug, Clone, Default)]
 pub struct Signs {
     pub labels: Vec<Label>,
-    /// From the border outwards.
+    /// Ticks from the border outwards.
     pub ticks: Vec<[Point; 2]>,
 }
 
@@ -54,7 +54,7 @@ impl Signs {
         self.labels.iter().map(|label| [label.names, label.at])
     }
 
-    /// Whether between all labels, leaders and ticks and a disc at least this much is clear.
+    /// Returns true if a disc has at least this clearance from all labels, leaders and ticks.
     pub fn are_off(&self, at: Point, radius_mm: f64, clear_mm: f64) -> bool {
         let mut lines = self.leaders().chain(self.ticks.iter().copied());
         let off_label = |label: &Label| distance(label.at, at) >= label.radius_mm + radius_mm + clear_mm;
@@ -62,9 +62,9 @@ impl Signs {
     }
 }
 
-/// The signs of all pieces, and the length of the seams that have no letter on one of their sides. `inks` is what is printed of each piece,
-/// with its bleed and tabs; `tabs` holds of each seam the side that has a tab, and the letter's distance from the border there; `around_mm`
-/// is from a piece's box to the farthest sign.
+/// Returns the signs of all pieces, and the length of the seams without a letter on one of their sides. `inks` are the printed areas of the pieces,
+/// with bleed and tabs; `tabs` has for each seam the side with a tab, and the letter's distance from the border there; `around_mm` is the distance
+/// from a piece's bounding box to the farthest sign.
 pub fn signs(
     pieces: &[Piece],
     seams: &[Seam],
@@ -92,7 +92,7 @@ pub fn signs(
     (places.into_iter().map(|p| p.signs).collect(), unlettered_mm)
 }
 
-/// Puts the letter of a seam on both of its sides, smaller where it is narrow; `false` if there is no room.
+/// Places the letter of a seam on both of its sides, smaller if there is little room; returns `false` if there is none.
 fn letter(seam: &Seam, pieces: &[Piece], places: &mut [Places], tab: Option<(usize, f64)>) -> bool {
     let is_one = seam.letter.chars().count() == 1;
     let radius_mm = if is_one { LETTER_MM } else { LETTERS_MM };
@@ -107,7 +107,7 @@ fn letter(seam: &Seam, pieces: &[Piece], places: &mut [Places], tab: Option<(usi
     })
 }
 
-/// Looks for the places of a seam's letter.
+/// Search for the places of a seam's letter.
 struct LetterSearch<'a> {
     seam: &'a Seam,
     pieces: &'a [Piece],
@@ -116,7 +116,7 @@ struct LetterSearch<'a> {
 }
 
 impl LetterSearch<'_> {
-    /// Shares of the seam's length. The ends, too: of a slit only its mouth is open.
+    /// Returns the candidate positions, as shares of the seam's length; the ends, too, since a slit is open only at its mouth.
     fn shares(&self) -> Vec<f64> {
         let steps = (self.seam.length_mm / 4.0).ceil().clamp(1.0, 24.0) as usize;
         let inner = (0..steps).map(|i| (i as f64 + 0.5) / steps as f64);
@@ -139,10 +139,10 @@ impl LetterSearch<'_> {
         Some((away, label))
     }
 
-    /// At the same place of the seam on both sides.
+    /// Places the letters at the same place of the seam on both sides.
     fn together(&self, places: &mut [Places]) -> bool {
         let [one, other] = self.seam.pieces();
-        // On one piece, both labels may want the same room.
+        // On one piece, both labels may need the same room.
         let reach = 2.0 * self.radius_mm + CLEAR_MM;
         let off_middle = |share: f64| 0.3 * (share - 0.5).abs() * self.seam.length_mm;
         let both = self.shares().into_iter().filter_map(|share| {
@@ -158,7 +158,7 @@ impl LetterSearch<'_> {
         true
     }
 
-    /// Wherever there is room on each side.
+    /// Places the letters wherever there is room on each side.
     fn apart(&self, places: &mut [Places]) -> bool {
         let best = |places: &[Places], side: usize| {
             let shares = self.shares().into_iter();
@@ -177,7 +177,7 @@ impl LetterSearch<'_> {
     }
 }
 
-/// Ticks at both ends of a seam and along it, at the same places on both sides.
+/// Draws ticks at both ends of a seam and along it, at the same places on both sides.
 fn ticks(seam: &Seam, pieces: &[Piece], places: &mut [Places]) {
     let between = (seam.length_mm / TICKS_MM).round().max(1.0) as usize;
     for i in 0..=between {
@@ -191,7 +191,7 @@ fn ticks(seam: &Seam, pieces: &[Piece], places: &mut [Places]) {
     }
 }
 
-/// Where there is room beside one piece.
+/// Free room beside one piece.
 struct Places<'a> {
     signs: Signs,
     piece: &'a Piece,
@@ -219,7 +219,7 @@ impl<'a> Places<'a> {
         }
     }
 
-    /// A free place for a label near a place of the border, and how far from it. In a notch, its leader may cross the bleed.
+    /// Returns a free position for a label near a point of the border, and its distance. In a notch, its leader may cross the bleed.
     fn free(&self, border: Point, outward: Point, radius_mm: f64) -> Option<(f64, Point)> {
         let nearest = BLEED_MM + radius_mm + CLEAR_MM;
         let count = (FARTHEST_MM / 0.8) as usize;
@@ -234,12 +234,12 @@ impl<'a> Places<'a> {
                 })
             })
         };
-        // What crosses its neighbours' bleed is read less easily than what is far away.
+        // A label across its neighbours' bleed is less legible than a distant one.
         let crossing = || find(&self.piece.region).map(|(mm, at)| (mm + FARTHEST_MM, at));
         find(self.ink).or_else(crossing)
     }
 
-    /// Whether a disc is inside the room and off all ink and signs.
+    /// Returns true if a disc is inside the room and clear of all ink and signs.
     fn is_free(&self, at: Point, radius_mm: f64) -> bool {
         let inside =
             (0..2).all(|axis| at[axis] - radius_mm >= self.low[axis] && at[axis] + radius_mm <= self.high[axis]);
@@ -251,7 +251,7 @@ impl<'a> Places<'a> {
         inside && self.signs.are_off(at, radius_mm, CLEAR_MM) && off_ink()
     }
 
-    /// Whether a leader from the border reaches a label over nothing that blocks it.
+    /// Returns true if a leader from the border reaches a label without crossing `blocking`.
     fn is_open(&self, border: Point, at: Point, radius_mm: f64, blocking: &Region) -> bool {
         let length = distance(border, at);
         let along = |mm: f64| between(border, at, mm / length);
@@ -274,7 +274,7 @@ impl<'a> Places<'a> {
         }
     }
 
-    /// The piece's number, where there is room nearest to its border.
+    /// Places the piece's number where there is room nearest to its border.
     fn number(&mut self, number: usize) {
         let spots = self.piece.borders.iter().filter_map(|border| {
             let [a, b] = border.flat;
@@ -294,7 +294,7 @@ impl<'a> Places<'a> {
     }
 }
 
-/// From a place to a segment.
+/// Returns the distance of a point from a segment.
 fn to_line(p: Point, [a, b]: [Point; 2]) -> f64 {
     distance(p, between(a, b, nearest_share(p, [a, b])))
 }

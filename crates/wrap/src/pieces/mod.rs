@@ -1,7 +1,7 @@
-//! A painted model as few flat pieces that hands can glue: true size, the texture on them, letters on both sides of every seam, nested on
-//! the fewest sheets.
+//! Printing of a painted model as few flat pieces to glue: true size, with the texture, letters on both sides of every seam, nested on the fewest
+//! sheets.
 //!
-//! [`crate::unwrap`] says what the pieces are. One file each: a piece in its plane (`flat`), where pieces meet (`seams`), glue tabs, the signs
+//! [`crate::unwrap`] cuts and flattens the pieces. One file each: a piece in its plane (`flat`), seams between pieces (`seams`), glue tabs, the signs
 //! beside them (`labels`), their places on sheets (`nest`, `pages`), the sheets (`draw`), and the first page with its exploded views. [`painted`]
 //! makes stencils of them instead.
 
@@ -35,12 +35,12 @@ use scaleproof_print::print::wrap::{Region, WrapRequest};
 use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::world_aligned::Side;
 
-/// How far the texture runs on beyond a piece's outline.
+/// Extension of the texture beyond a piece's outline.
 const BLEED_MM: f64 = 2.0;
-/// Around a piece: bleed, a label and some air.
+/// Room around a piece: bleed, a label and some air.
 const AROUND_MM: f64 = 12.0;
 
-/// Why no pieces were printed.
+/// Reason why no pieces were printed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PiecesError {
     #[error(transparent)]
@@ -59,11 +59,11 @@ pub enum PiecesError {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct PiecesRequest {
-    /// The size that pieces must fit is that of the paper.
+    /// Bounds of the pieces; their maximum size is replaced by the paper's.
     pub unwrap: UnwrapRequest,
-    /// Width of the glue tabs, mm; `None`: none.
+    /// Width of the glue tabs, mm; `None` for no tabs.
     pub tabs_mm: Option<f64>,
-    /// As for panels. No piece is spread over sheets, so that the overlap has no meaning.
+    /// Sheets as for panels. No piece extends over several sheets, so the overlap is ignored.
     pub sheets: WrapRequest,
 }
 
@@ -72,7 +72,7 @@ impl PiecesRequest {
         format!("Pieces of {}", self.sheets.name)
     }
 
-    /// Cuts and flattens the paint of some materials of a mesh into pieces of this size at most.
+    /// Cuts and flattens the paint of some materials of a mesh into pieces of at most this size.
     fn unwrapped(
         &self,
         (mesh, materials): (&Mesh, &[usize]),
@@ -96,18 +96,18 @@ pub struct PrintedPieces {
     pub pieces: Vec<Piece>,
     pub seams: Vec<Seam>,
     pub places: Vec<Place>,
-    /// Each piece with its tabs, in its plane: what is cut out.
+    /// Area to cut out of each piece with its tabs, in its plane.
     pub cut: Vec<Region>,
     pub frame: PageFrame,
     pub flat: Unwrapped,
-    /// Length of the seams that have no letter on one of their sides.
+    /// Length of the seams without a letter on one of their sides.
     pub unlettered_mm: f64,
-    /// The first page, then the sheets, as the printer needs them.
+    /// The first page, then the sheets, corrected for the printer.
     pub pages: Vec<Sheet>,
 }
 
 impl PrintedPieces {
-    /// A name for each page, where it becomes a file of its own.
+    /// Returns a name for each page, used if it becomes a file of its own.
     pub fn page_names(&self) -> Vec<String> {
         let sheets = (1..self.pages.len()).map(|sheet| format!("sheet-{sheet}"));
         ["assembly".to_owned()].into_iter().chain(sheets).collect()
@@ -117,7 +117,7 @@ impl PrintedPieces {
         pages::sheets(&self.places)
     }
 
-    /// Length of everything that is cut.
+    /// Returns the length of all cuts.
     pub fn cut_mm(&self) -> f64 {
         self.cut.iter().map(Region::border_mm).sum()
     }
@@ -150,18 +150,18 @@ impl PrintedPieces {
     }
 }
 
-/// An area in the unit of the facts.
+/// Formats an area in the unit of the facts.
 fn cm2(mm2: f64) -> String {
     format!("{:.1} cm²", mm2 / 100.0)
 }
 
-/// A sentence for each part of the paint that is on no piece and can be seen.
+/// Returns a sentence for each part of the paint that is on no piece and visible.
 fn left_out_facts(parts: &[LeftOut]) -> impl Iterator<Item = String> {
     let seen = parts.iter().filter(|part| part.surface_mm2 >= 0.5);
     seen.map(|part| format!("left out: {} {}", cm2(part.surface_mm2), reason(part.reason)))
 }
 
-/// Why paint is on no piece, after its area.
+/// Returns the reason why paint is on no piece, as a clause after its area.
 pub fn reason(reason: LeftOutReason) -> &'static str {
     match reason {
         LeftOutReason::Hidden => "that cannot be seen from outside",
@@ -170,8 +170,8 @@ pub fn reason(reason: LeftOutReason) -> &'static str {
     }
 }
 
-/// Cuts the paint of some materials (by index; all if there are none) of a mesh in the model frame into pieces that fit on the paper, and
-/// flattens them. `progress` is called with the share that is done.
+/// Cuts the paint of some materials (by index; all if there are none) of a mesh in the model frame into pieces that fit on the paper, and flattens
+/// them. `progress` is called with the share done.
 pub fn flattened(
     surface: (&Mesh, &[usize]),
     request: &PiecesRequest,

@@ -1,26 +1,26 @@
-//! Shapes on the fewest pages: each as low and as far left as it goes, turned as it fits, on a grid of cells that are taken or free.
+//! Nesting of shapes on the fewest pages: each at the lowest and leftmost free place over several rotations, on a grid of cells.
 
 use scaleproof_print::print::raster::Pose;
 use scaleproof_print::print::sheet::RectMm;
 use scaleproof_print::print::wrap::{Point, Region};
 
-/// Side of a cell, and the free paper between two shapes beside what the cells take.
+/// Side of a cell, and the gap between two shapes in addition to the cells' rounding.
 const CELL_MM: f64 = 1.5;
 const GAP_MM: f64 = 1.0;
-/// Turns that are tried: multiples of this, and the shape's own box along and across.
+/// Step of the rotations that are tried; its multiples include the shape's own box along and across.
 const TURN_DEG: f64 = 15.0;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
-    /// From 0.
+    /// Index of the page, from 0.
     pub page: usize,
     pub pose: Pose,
 }
 
-/// Puts shapes onto pages that are free within `area` but for `taken`.
+/// Places shapes onto pages that are free within `area` except for `taken`.
 ///
 /// # Errors
-/// The index of the first shape that no page holds.
+/// The index of the first shape that fits on no page.
 pub fn nest(shapes: &[Region], area: RectMm, taken: &[RectMm]) -> Result<Vec<Place>, usize> {
     let turns: Vec<Vec<Turned>> = shapes.iter().map(turned).collect();
     let blank = Cells::page(area, taken);
@@ -35,10 +35,10 @@ pub fn nest(shapes: &[Region], area: RectMm, taken: &[RectMm]) -> Result<Vec<Pla
     Ok(best.map_or(Vec::new(), |(places, ..)| places))
 }
 
-/// Of the shapes, the largest first.
+/// Returns the indices of the shapes, the largest by `by` first.
 fn order(shapes: &[Region], by: impl Fn(&Region) -> f64) -> Vec<usize> {
     let mut order: Vec<usize> = (0..shapes.len()).collect();
-    // What differs by rounding only keeps its order.
+    // Sizes that differ only by rounding keep their order.
     let rank = |i: &usize| (by(&shapes[*i]) * 100.0).round();
     order.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
     order
@@ -49,7 +49,7 @@ fn size(shape: &Region) -> (f64, f64) {
     (high[0] - low[0], high[1] - low[1])
 }
 
-/// The places, how many pages they take, and how high the last one is filled.
+/// Returns the places, the number of pages, and the filled height of the last one.
 fn nest_in_order(
     turns: &[Vec<Turned>],
     order: &[usize],
@@ -82,17 +82,17 @@ fn nest_in_order(
     Ok((places.into_iter().flatten().collect(), pages.len(), last))
 }
 
-/// A shape turned.
+/// Rotated shape.
 struct Turned {
     turn: [f64; 2],
-    /// The place of its first cell's lower left corner in the turned plane.
+    /// Position of its first cell's lower left corner in the rotated plane.
     low: Point,
     cells: Cells,
-    /// Its runs of cells, the longest first: those block the most places.
+    /// Its runs of cells, the longest first: those block the most positions.
     runs: Vec<Run>,
 }
 
-/// Neighbouring cells of one row of a shape.
+/// Adjacent cells of one row of a shape.
 #[derive(Debug, Clone, Copy)]
 struct Run {
     row: usize,
@@ -101,7 +101,7 @@ struct Run {
 }
 
 fn turned(shape: &Region) -> Vec<Turned> {
-    // Cells are taken whose middle lies within this of the shape, so that no ink is nearer to another's than the gap.
+    // Cells count whose centre is within this distance of the shape, so that inks keep the gap.
     let around = shape.grown(0.5 * GAP_MM + 0.5 * std::f64::consts::SQRT_2 * CELL_MM);
     let by_step = |i: usize| {
         let (s, c) = (TURN_DEG * i as f64).to_radians().sin_cos();
@@ -115,7 +115,7 @@ fn turned(shape: &Region) -> Vec<Turned> {
     (0..(360.0 / TURN_DEG) as usize).map(by_step).collect()
 }
 
-/// Rows of cells from the bottom up, a bit each.
+/// Rows of cells from the bottom up, one bit per cell.
 #[derive(Debug, Clone)]
 struct Cells {
     columns: usize,
@@ -138,7 +138,7 @@ impl Cells {
         }
     }
 
-    /// A page's free area without what is taken of it.
+    /// Creates the cells of a page's area without the taken ones.
     fn page(area: RectMm, taken: &[RectMm]) -> Self {
         let count = |mm: f64| (mm / CELL_MM).floor() as usize;
         let mut cells = Self::blank(count(area.width_mm()), count(area.height_mm()));
@@ -156,13 +156,13 @@ impl Cells {
         cells
     }
 
-    /// The cells whose middle lies in a region; its box's lower left corner is that of the first cell.
+    /// Returns the cells whose centre is in a region; its bounding box and the first cell share the lower left corner.
     fn covered(region: &Region, low: Point, high: Point) -> Self {
         let count = |axis: usize| ((high[axis] - low[axis]) / CELL_MM).ceil().max(1.0) as usize;
         let mut cells = Self::blank(count(0), count(1));
         for row in 0..cells.rows.len() {
             let y = low[1] + (row as f64 + 0.5) * CELL_MM;
-            // Where outlines cross the row, and which way: a place is inside while the sum is not zero.
+            // Crossings of outlines with the row, with their direction: a point is inside while the sum is not zero.
             let crossing = |(a, b): (&Point, &Point)| {
                 let up = a[1] <= y && b[1] > y;
                 let down = b[1] <= y && a[1] > y;
@@ -188,7 +188,7 @@ impl Cells {
         self.rows[row][column / 64] |= 1 << (column % 64);
     }
 
-    /// The lowest place over all turns; of equally low ones the leftmost.
+    /// Returns the lowest position over all rotations; of equally low ones the leftmost.
     fn lowest(&self, turns: &[Turned]) -> Option<Spot> {
         let mut best: Option<(usize, Spot)> = None;
         for (turn, shape) in turns.iter().enumerate() {
@@ -196,7 +196,7 @@ impl Cells {
             if cells.columns > self.columns || cells.rows.len() > self.rows.len() {
                 continue;
             }
-            // The top of a spot counts, not its foot: flat lying shapes leave more.
+            // The top of a spot counts, not its foot: flat orientations leave more room.
             let highest = best.map_or(self.rows.len(), |(top, _)| top - 1);
             let Some(feet) = (highest + 1).checked_sub(cells.rows.len()) else {
                 continue;
@@ -209,9 +209,9 @@ impl Cells {
         best.map(|(_, spot)| spot)
     }
 
-    /// The leftmost column at which a shape with its foot on a row meets nothing that is taken.
+    /// Returns the leftmost column at which a shape with its foot on a row overlaps no taken cell.
     ///
-    /// All columns are tried at once, a bit each: a run of the shape blocks every column from which it would reach a taken cell.
+    /// All columns are tested at once, one bit each: a run of the shape blocks every column from which it would reach a taken cell.
     fn free_column(&self, shape: &Turned, row: usize) -> Option<usize> {
         let columns = self.columns - shape.cells.columns + 1;
         let is_free = |blocked: &[u64], column: usize| blocked[column / 64] >> (column % 64) & 1 == 0;
@@ -265,14 +265,14 @@ impl Cells {
     }
 }
 
-/// A word of a row of bits that is moved down by some columns.
+/// Returns a word of a row of bits shifted down by some columns.
 fn shifted(row: &[u64], word: usize, by: usize) -> u64 {
     let at = |word: usize| u128::from(row.get(word).copied().unwrap_or(0));
     let from = word + by / 64;
     ((at(from) | at(from + 1) << 64) >> (by % 64)) as u64
 }
 
-/// Each bit or the one so many columns further.
+/// Ors each bit with the one `by` columns further.
 fn or_shifted(row: &mut [u64], by: usize) {
     for word in 0..row.len() {
         row[word] |= shifted(row, word, by);

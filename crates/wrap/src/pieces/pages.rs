@@ -1,4 +1,4 @@
-//! The pages that pieces are nested on: their frames, and where each piece lies.
+//! Pages on which pieces are nested: their frames, and the place of each piece.
 
 use super::labels::{Label, Signs};
 use super::nest::{self, Place};
@@ -14,7 +14,7 @@ use scaleproof_print::print::wrap::{Point, Region};
 const SHEET_MM: f64 = 5.0;
 const SHEET_WIDTH_MM: f64 = 22.0;
 
-/// The page upright and across, as far as the paper allows; of a roll only across it.
+/// Returns the page upright and across, as far as the paper allows; for a roll only across it.
 pub fn frames(request: &PiecesRequest) -> Result<Vec<PageFrame>, PiecesError> {
     let media = request.sheets.media;
     Ok(match media.paper {
@@ -23,7 +23,7 @@ pub fn frames(request: &PiecesRequest) -> Result<Vec<PageFrame>, PiecesError> {
     })
 }
 
-/// What came out well; the first error where nothing did.
+/// Returns the successful results, or the first error if there is none.
 fn good_ones<T, E>(results: impl Iterator<Item = Result<T, E>>) -> Result<Vec<T>, E> {
     let (good, bad): (Vec<_>, Vec<_>) = results.partition(Result::is_ok);
     match bad.into_iter().find_map(Result::err) {
@@ -32,7 +32,7 @@ fn good_ones<T, E>(results: impl Iterator<Item = Result<T, E>>) -> Result<Vec<T>
     }
 }
 
-/// What a piece may measure so that it fits on one of the pages with all that stands around it.
+/// Returns the largest size of a piece that fits on one of the pages with `around_mm` on all sides.
 pub fn fits_mm(request: &PiecesRequest, around_mm: f64) -> Result<[f64; 2], PiecesError> {
     let size = |frame: &PageFrame| {
         [frame.usable.width_mm(), frame.usable.height_mm()].map(|mm| (mm - 2.0 * around_mm - 4.0).max(0.0))
@@ -43,7 +43,7 @@ pub fn fits_mm(request: &PiecesRequest, around_mm: f64) -> Result<[f64; 2], Piec
         .unwrap_or_default())
 }
 
-/// Everything of a piece that needs paper of its own, in its plane: its ink and its signs.
+/// Returns the part of a piece's plane that needs paper of its own: its ink and its signs.
 pub fn shape(ink: &Region, signs: &Signs) -> Region {
     let disc = |label: &Label| circle(label.at, label.radius_mm * 1.02, 16).collect::<Vec<Point>>();
     let bar = |[a, b]: [Point; 2]| {
@@ -59,7 +59,7 @@ pub fn shape(ink: &Region, signs: &Signs) -> Region {
     ))
 }
 
-/// The pieces on whichever way round the page needs fewer sheets.
+/// Nests the pieces on the page orientation that needs fewer sheets.
 pub fn nested(
     shapes: &[Region],
     frames: &[PageFrame],
@@ -75,7 +75,7 @@ pub fn nested(
     best.ok_or(PiecesError::TooLarge { piece: 1 })
 }
 
-/// What rulers and captions take of a page.
+/// Returns the areas of a page taken by rulers and captions.
 pub fn furniture(frame: &PageFrame) -> Vec<RectMm> {
     const AIR_MM: f64 = 2.0;
     let (printable, usable) = (frame.printable, frame.usable);
@@ -89,7 +89,7 @@ pub fn furniture(frame: &PageFrame) -> Vec<RectMm> {
     .to_vec()
 }
 
-/// Each sheet's frame; of a roll, as long as its pieces.
+/// Returns each sheet's frame; for a roll, as long as its pieces.
 pub fn sheet_frames(
     frame: &PageFrame,
     shapes: &[Region],
@@ -109,13 +109,13 @@ pub fn sheets(places: &[Place]) -> usize {
     places.iter().map(|place| place.page + 1).max().unwrap_or(0)
 }
 
-/// The first page's frame: as the sheets', of a roll as long as it takes.
+/// Returns the first page's frame: as the sheets', for a roll as long as needed.
 pub fn cover_frame(frame: &PageFrame, request: &PiecesRequest) -> Result<PageFrame, PiecesError> {
     const ROLL_MM: f64 = 280.0;
     Ok(frame.cut_off(request.sheets.media.paper, ROLL_MM)?)
 }
 
-/// One page: what is on it, rulers, captions, and which page it is.
+/// Returns one page with its marks, rulers, captions, and page number.
 pub fn sheet(frame: &PageFrame, marks: Vec<Mark>, captions: &Captions, (page, pages): (usize, usize)) -> Sheet {
     let mut sheet = captions.sheet(frame, marks);
     let at = (frame.printable.right_mm, frame.printable.bottom_mm + 0.8);

@@ -1,4 +1,4 @@
-//! Lines and signs of one piece on its page.
+//! Drawing of one piece's lines and signs on its page.
 
 use super::BLEED_MM;
 use super::flat::Piece;
@@ -12,16 +12,16 @@ use scaleproof_print::print::wrap::{Point, Region, cut_line, moved};
 const LETTER_MM: f64 = 3.0;
 const NUMBER_MM: f64 = 3.8;
 pub const LINE_MM: f64 = 0.15;
-/// Under a line that crosses the bleed, so that it shows on any colour.
+/// Width of the halo under a line that crosses the bleed, so that the line is visible on any colour.
 pub const HALO_MM: f64 = 0.45;
 
-/// Draws in a piece's plane.
+/// Drawing tool for a piece's plane.
 pub struct Pen<'a> {
     pub piece: &'a Piece,
     pub pose: Pose,
 }
 
-/// The line along which a region of the page is cut, drawn and for a plotter.
+/// Returns the line along which a region of the page is cut, as drawn and for a plotter.
 pub fn cut(region: &Region) -> Vec<Mark> {
     let mut marks = cut_line(region, [0.0; 2]);
     marks.push(Mark::Cut {
@@ -32,23 +32,23 @@ pub fn cut(region: &Region) -> Vec<Mark> {
 }
 
 impl Pen<'_> {
-    /// A little away from the border, so that nothing stays on the piece.
+    /// Returns a point slightly away from the border, so that nothing of the line stays on the piece.
     fn off_line(&self, border: Point, to: Point) -> Point {
         between(border, to, 0.4 / distance(border, to).max(0.4))
     }
 
-    /// Where a place of the piece's plane is on the page.
+    /// Converts a point of the piece's plane to the page.
     pub fn place(&self, p: Point) -> PointMm {
         let [x, y] = self.pose.at(p);
         PointMm::new(x, y)
     }
 
-    /// A region of the piece's plane on the page.
+    /// Converts a region of the piece's plane to the page.
     pub fn region(&self, region: &Region) -> Region {
         region.moved(|p| self.pose.at(p))
     }
 
-    /// A line from the border outwards.
+    /// Draws a line from the border outwards.
     pub fn tick(&self, [border, end]: [Point; 2]) -> [Mark; 2] {
         self.haloed([self.off_line(border, end), end])
     }
@@ -62,7 +62,7 @@ impl Pen<'_> {
         [(HALO_MM, WHITE), (LINE_MM, BLACK)].map(|(width_mm, colour)| Mark::stroke(ends, width_mm, None, colour))
     }
 
-    /// Ticks, then letters and the number with their leaders.
+    /// Draws ticks, then letters and the number with their leaders.
     pub fn signs(&self, signs: &Signs) -> Vec<Mark> {
         let ticks = signs.ticks.iter().flat_map(|tick| self.tick(*tick));
         ticks
@@ -70,7 +70,7 @@ impl Pen<'_> {
             .collect()
     }
 
-    /// A letter or number with its leader.
+    /// Draws a letter or number with its leader.
     fn label(&self, label: &Label) -> Vec<Mark> {
         let away = distance(label.at, label.names);
         let mut marks = Vec::new();
@@ -96,7 +96,7 @@ impl Pen<'_> {
         marks
     }
 
-    /// The ring around a number, with the arrow that points up on the model.
+    /// Draws the ring around a number, with the arrow that points up on the model.
     fn ring(&self, at: Point) -> Vec<Mark> {
         let ring: Vec<PointMm> = circle(at, NUMBER_RING_MM, 32).map(|p| self.place(p)).collect();
         let mut marks: Vec<Mark> = Mark::outline(&ring, LINE_MM, BLACK).collect();

@@ -1,4 +1,4 @@
-//! Where pieces meet: runs of border edges that two pieces, or two borders of one piece, share.
+//! Seams: runs of border edges shared by two pieces, or by two borders of one piece.
 
 use std::collections::BTreeMap;
 
@@ -6,14 +6,14 @@ use super::flat::{Border, Piece, near};
 use scaleproof_core::geometry::{between, distance};
 use scaleproof_print::print::wrap::Point;
 
-/// One border edge of a piece.
+/// Border edge of a piece.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct BorderId {
     pub piece: usize,
     pub border: usize,
 }
 
-/// A run of edges, each on both pieces, in order.
+/// Run of consecutive edges, each shared by both pieces.
 #[derive(Debug, Clone)]
 pub struct Seam {
     pub letter: String,
@@ -24,13 +24,13 @@ pub struct Seam {
 #[derive(Debug, Clone, Copy)]
 pub struct SeamEdge {
     pub sides: [BorderId; 2],
-    /// Whether the run goes from the edge's second end to its first.
+    /// True if the run goes from the edge's second end to its first.
     pub backwards: bool,
     pub length_mm: f64,
 }
 
 impl SeamEdge {
-    /// Its ends on paper on one side, in the order of the seam.
+    /// Returns its ends on paper on one side, in the order of the seam.
     pub fn ends(&self, pieces: &[Piece], side: usize) -> [Point; 2] {
         let [a, b] = border(pieces, self.sides[side]).flat;
         if self.backwards { [b, a] } else { [a, b] }
@@ -44,7 +44,7 @@ pub struct SeamPlace {
 }
 
 impl Seam {
-    /// The pieces on its two sides.
+    /// Returns the pieces on its two sides.
     pub fn pieces(&self) -> [usize; 2] {
         self.edges.first().map_or([0; 2], |edge| edge.sides.map(|id| id.piece))
     }
@@ -73,18 +73,18 @@ pub fn border(pieces: &[Piece], id: BorderId) -> &Border {
     &pieces[id.piece].borders[id.border]
 }
 
-/// All seams, the longest first, with their letters.
+/// Returns all seams, the longest first, with their letters.
 pub fn seams(pieces: &[Piece]) -> Vec<Seam> {
     let mut all: Vec<Seam> = runs(pieces, shared(pieces));
     all.sort_by(|a, b| b.length_mm.total_cmp(&a.length_mm));
     for (i, seam) in all.iter_mut().enumerate() {
-        // Small, because the numbers of pieces are the large signs.
+        // Lower case, because the numbers of pieces are the large signs.
         seam.letter = scaleproof_print::print::template::letters(i).to_lowercase();
     }
     all
 }
 
-/// The edges that two borders have in common, the lower border first.
+/// Returns the edges that two borders share, the lower border first.
 fn shared(pieces: &[Piece]) -> Vec<[BorderId; 2]> {
     let mut at = BTreeMap::<[usize; 2], Vec<BorderId>>::new();
     for (i, piece) in pieces.iter().enumerate() {
@@ -94,12 +94,12 @@ fn shared(pieces: &[Piece]) -> Vec<[BorderId; 2]> {
                 .push(BorderId { piece: i, border: b });
         }
     }
-    // Where more than two sheets of the surface meet, they are joined two by two.
+    // Where more than two layers of the surface meet, they are joined in pairs.
     let pairs = at.values().flat_map(|ids| ids.chunks_exact(2));
     pairs.map(|pair| [pair[0], pair[1]]).collect()
 }
 
-/// Chains of shared edges that run on on both pieces.
+/// Returns the chains of shared edges that continue on both pieces.
 fn runs(pieces: &[Piece], edges: Vec<[BorderId; 2]>) -> Vec<Seam> {
     let mut chains = Chains::new(pieces, edges);
     let mut seams = Vec::new();
@@ -110,7 +110,7 @@ fn runs(pieces: &[Piece], edges: Vec<[BorderId; 2]>) -> Vec<Seam> {
         let sides = chains.edges[start];
         let [a, b] = border(pieces, sides[0]).ends;
         let mut run = chains.walk(a, start, sides);
-        // The way to the start was walked from it.
+        // The part up to the start was followed from the start backwards.
         run.reverse();
         run.iter_mut().for_each(|edge| edge.backwards = !edge.backwards);
         run.push(chains.seam_edge(sides, false));
@@ -127,7 +127,7 @@ fn runs(pieces: &[Piece], edges: Vec<[BorderId; 2]>) -> Vec<Seam> {
 struct Chains<'a> {
     pieces: &'a [Piece],
     edges: Vec<[BorderId; 2]>,
-    /// The edges that begin or end at a corner.
+    /// Edges that begin or end at a corner.
     at: BTreeMap<usize, Vec<usize>>,
     taken: Vec<bool>,
 }
@@ -148,7 +148,7 @@ impl<'a> Chains<'a> {
         }
     }
 
-    /// The edges that follow one at one of its corners.
+    /// Returns the edges that follow one at one of its corners.
     fn walk(&mut self, mut corner: usize, mut edge: usize, mut sides: [BorderId; 2]) -> Vec<SeamEdge> {
         let mut run = Vec::new();
         while let Some((following, its_sides)) = self.next(corner, edge, sides).filter(|(i, _)| !self.taken[*i]) {
@@ -161,7 +161,7 @@ impl<'a> Chains<'a> {
         run
     }
 
-    /// The one edge that goes on at a corner on both sides. Where a piece is cut into itself, either border may be the first.
+    /// Returns the only edge that continues at a corner on both sides. At a slit, either border may be the first.
     fn next(&self, corner: usize, edge: usize, sides: [BorderId; 2]) -> Option<(usize, [BorderId; 2])> {
         let ends = sides.map(|id| end_at(self.pieces, id, corner));
         let goes_on = |i: &usize| {
@@ -193,7 +193,7 @@ impl<'a> Chains<'a> {
     }
 }
 
-/// Where an end of a border is on paper.
+/// Returns the position on paper of an end of a border.
 fn end_at(pieces: &[Piece], id: BorderId, corner: usize) -> Point {
     let border = border(pieces, id);
     border.flat[usize::from(border.ends[0] != corner)]

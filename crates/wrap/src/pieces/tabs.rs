@@ -1,30 +1,30 @@
-//! Glue tabs: on one side of each seam a strip of paper that goes under the other piece.
+//! Glue tabs: strips of paper on one side of each seam that go under the other piece.
 
 use super::flat::Piece;
 use super::seams::{Seam, SeamEdge, border};
 use scaleproof_core::geometry::{distance, offset};
 use scaleproof_print::print::wrap::{Contour, Point, Region};
 
-/// A tab that is cut back to less than this share of its length times its width does not hold.
+/// Minimum area of a tab relative to its length times its width; with less it does not hold.
 const LEAST_SHARE: f64 = 0.4;
-/// Shorter seams hold without a tab.
+/// Length below which seams hold without a tab.
 const SHORTEST_MM: f64 = 6.0;
-/// A border that turns by more is no line to fold along.
+/// Angle above which a turn of the border interrupts the fold line.
 const BEND_DEG: f64 = 20.0;
-/// Between a tab and what else is there, for the knife.
+/// Gap for the knife between a tab and its surroundings.
 const GAP_MM: f64 = 0.6;
 
 #[derive(Debug, Clone, Default)]
 pub struct Tabs {
     pub region: Region,
-    /// Where they are folded: along the border.
+    /// Fold lines, along the border.
     pub folds: Vec<[Point; 2]>,
 }
 
-/// Of each seam the side that has a tab, and how far from the border its letter stands there.
+/// For each seam the side with a tab, and the distance of its letter from the border there.
 pub type TabSides = Vec<Option<(usize, f64)>>;
 
-/// The tabs of all pieces: of a width on one side of each seam, the one that has more room.
+/// Returns the tabs of all pieces: of this width on one side of each seam, the one with more room.
 pub fn tabs(pieces: &[Piece], seams: &[Seam], width_mm: Option<f64>) -> (Vec<Tabs>, TabSides) {
     let mut tabs = vec![Tabs::default(); pieces.len()];
     let mut sides = vec![None; seams.len()];
@@ -37,7 +37,7 @@ pub fn tabs(pieces: &[Piece], seams: &[Seam], width_mm: Option<f64>) -> (Vec<Tab
         let room = |side: usize| {
             let piece = seam.pieces()[side];
             let strip = strip(seam, pieces, side, width_mm);
-            // What runs along the border stays; what comes near another part of the piece goes.
+            // Parts along the border itself stay; parts near another part of the piece are removed.
             let own = Region::union(beside(&lines(seam, pieces, side), 2.0 * GAP_MM));
             let off = strip.without(&near[piece].without(&own)).without(&pieces[piece].region);
             off.without(&tabs[piece].region.grown(GAP_MM))
@@ -56,7 +56,7 @@ pub fn tabs(pieces: &[Piece], seams: &[Seam], width_mm: Option<f64>) -> (Vec<Tab
     (tabs, sides)
 }
 
-/// The strip beside a seam: straight parts with slanted ends, so that each folds by itself.
+/// Returns the strip beside a seam: straight parts with slanted ends, so that each folds separately.
 fn strip(seam: &Seam, pieces: &[Piece], side: usize, width_mm: f64) -> Region {
     let lines = lines(seam, pieces, side);
     let parts = straight_parts(&lines);
@@ -71,7 +71,7 @@ fn strip(seam: &Seam, pieces: &[Piece], side: usize, width_mm: f64) -> Region {
     strips.fold(Region::default(), |all, strip| all.or(&strip))
 }
 
-/// An edge of a border, in the order of its seam.
+/// Edge of a border, in the order of its seam.
 #[derive(Debug, Clone, Copy)]
 struct Line {
     from: Point,
@@ -89,12 +89,12 @@ impl Line {
         [0, 1].map(|axis| (self.to[axis] - self.from[axis]) / length)
     }
 
-    /// What the slanted end of a strip loses: at the start (1) or at the end (-1).
+    /// Returns the wedge to cut off a strip's end for its slant: at the start (1) or at the end (-1).
     fn wedge(&self, sign: f64, slant: f64, width_mm: f64) -> Contour {
         let end = if sign > 0.0 { self.from } else { self.to };
         let along = self.along().map(|c| sign * c);
         let at = |a: f64, mm: f64| offset(offset(end, along, a), self.outward, mm);
-        // A little more outwards and backwards, so that nothing of the corner stays.
+        // Slightly larger outwards and backwards, so that nothing of the corner stays.
         vec![
             at(0.0, 0.0),
             at(1.2 * slant, 1.2 * width_mm),
@@ -113,7 +113,7 @@ fn lines(seam: &Seam, pieces: &[Piece], side: usize) -> Vec<Line> {
     seam.edges.iter().map(line).collect()
 }
 
-/// Cut where the border turns by more than paper folds along.
+/// Splits a border where it turns by more than paper folds along.
 fn straight_parts(lines: &[Line]) -> impl Iterator<Item = &[Line]> {
     let goes_on = |a: &Line, b: &Line| {
         let ([ax, ay], [bx, by]) = (a.along(), b.along());
@@ -122,7 +122,7 @@ fn straight_parts(lines: &[Line]) -> impl Iterator<Item = &[Line]> {
     lines.chunk_by(goes_on)
 }
 
-/// A strip of quadrilaterals, and the wedges between them at corners.
+/// Returns a strip of quadrilaterals, and the wedges between them at corners.
 fn beside(lines: &[Line], width_mm: f64) -> Vec<Contour> {
     let mut outlines = Vec::new();
     for line in lines {

@@ -1,4 +1,4 @@
-//! Pieces, what is glued, and the one way in which faces become a piece: laid flat and held against every bound.
+//! Pieces, glued edges, and the test of a set of faces as a piece: laid flat and checked against every bound.
 
 use std::collections::BTreeSet;
 
@@ -11,16 +11,16 @@ use super::surface::{Neighbours, Surface};
 use scaleproof_core::geometry::UnionFind;
 use scaleproof_surface::mesh::doubled_area;
 
-/// Steps that unfold, and the share of the energy that the last one gains at least.
+/// Maximum number of unfolding steps, and the relative gain of energy below which they end.
 const UNFOLD: (usize, f64) = (10, 0.02);
-/// Steps after those that unfold, and the share of the energy that the last one gains at least: in a trial, and for what is kept in the end.
+/// Maximum number of steps after unfolding, and the relative gain of energy below which they end: in a trial, and for the final result.
 const TRIAL: (usize, f64) = (30, 5e-3);
 const FINAL: (usize, f64) = (60, 1e-3);
-/// What is stretched so many times too much after unfolding is hopeless.
+/// Ratio of the mean stretch's excess to its bound after unfolding above which a piece is given up.
 const HOPELESS: f64 = 4.0;
-/// No face is stretched by more.
+/// Maximum stretch of a face.
 const WORST: f64 = 2.5;
-/// Larger pieces take seconds for each trial.
+/// Maximum number of faces of a piece; larger pieces take seconds for each trial.
 const MOST_FACES: usize = 10_000;
 
 #[derive(Debug, Clone)]
@@ -30,18 +30,18 @@ pub(super) struct Piece {
     pub stretch: Vec<f64>,
     pub sums: Sums,
     pub outline_mm: f64,
-    /// How it must be turned for its smallest rectangle.
+    /// Rotation to its smallest bounding rectangle.
     turn: f64,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Sums {
     pub area: f64,
-    /// The area times what the stretch exceeds 1.
+    /// Integral of the stretch's excess over 1, over the area.
     pub excess: f64,
-    /// The area that is stretched beyond the 99th percentile that is asked for.
+    /// Area stretched beyond the requested 99th percentile.
     pub above: f64,
-    /// The area of the smallest rectangle around it.
+    /// Area of the smallest rectangle around it.
     pub paper: f64,
 }
 
@@ -58,22 +58,22 @@ impl std::ops::Add for Sums {
     }
 }
 
-/// A side of a face.
+/// Edge of a face: face and side.
 pub(super) type Edge = (usize, usize);
 
 #[derive(Clone)]
 pub(super) struct Assembly<'a> {
     pub surface: &'a Surface,
-    /// The face across each edge of each face, and which of its edges that is.
+    /// The face across each edge of each face, and the index of that face's edge.
     pub across: &'a Neighbours,
     pub request: &'a UnwrapRequest,
-    /// `None` where a piece was glued to another, and became a new one.
+    /// Pieces; `None` for a piece that was glued to another, and became a new one.
     pub pieces: Vec<Option<Piece>>,
     pub piece_of: Vec<Option<usize>>,
     pub glued: Vec<[bool; 3]>,
-    /// No piece is stretched in the mean by so much more than 1.
+    /// Bound on the excess of a piece's mean stretch over 1.
     pub worst_excess: f64,
-    /// Where each face is among those that are laid flat now.
+    /// Index of each face among those currently laid flat.
     local: Vec<usize>,
 }
 
@@ -91,7 +91,7 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// A cluster as a piece; one that cannot be laid flat falls apart. A face that cannot is in no piece.
+    /// Adds a cluster as a piece; one that cannot be laid flat is split into faces. A face that cannot is in no piece.
     pub(super) fn add_cluster(&mut self, cluster: &[usize]) {
         let inside: BTreeSet<usize> = cluster.iter().copied().collect();
         let edges = cluster.iter().flat_map(|f| [0, 1, 2].map(|i| (*f, i)));
@@ -104,7 +104,7 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// A piece whose faces are glued at these edges, too.
+    /// Adds a piece whose faces are also glued at these edges.
     pub(super) fn add(&mut self, piece: Piece, edges: &[Edge]) {
         for (f, i) in edges {
             self.glued[*f][*i] = true;
@@ -123,7 +123,7 @@ impl<'a> Assembly<'a> {
         (corners[side] - corners[(side + 1) % 3]).norm()
     }
 
-    /// Two pieces as one, glued at these edges, or one piece with a slit closed; `None` if that breaks a bound.
+    /// Returns two pieces glued at these edges to one, or one piece with a slit closed; `None` if that violates a bound.
     pub(super) fn glue(&mut self, a: usize, b: usize, edges: &[Edge]) -> Option<Piece> {
         let one = self.pieces[a].clone()?;
         if a == b {
@@ -134,7 +134,7 @@ impl<'a> Assembly<'a> {
             .request
             .fits_mm
             .map_or(f64::INFINITY, |[width, height]| width * height);
-        // What is shrunk that much is beyond other bounds.
+        // Beyond this, other bounds would be violated anyway.
         if one.sums.area + other.sums.area > 1.2 * page || one.faces.len() + other.faces.len() > MOST_FACES {
             return None;
         }
@@ -162,7 +162,7 @@ impl<'a> Assembly<'a> {
         faces.iter().enumerate().for_each(|(n, face)| self.local[*face] = n);
     }
 
-    /// Faces glued as they are and at these edges, too, from where their corners are; `None` if that breaks a bound.
+    /// Lays faces flat, glued as they are and at these edges, starting from their corners' positions; `None` if that violates a bound.
     fn laid_flat(
         &mut self,
         faces: &[usize],
@@ -210,7 +210,7 @@ impl<'a> Assembly<'a> {
         (stretch, sums)
     }
 
-    /// A place for each corner of each numbered face; glued edges share theirs.
+    /// Returns a place index for each corner of each numbered face; glued edges share theirs.
     fn places(&self, faces: &[usize], also: &[Edge]) -> Vec<[usize; 3]> {
         let mut places = UnionFind::new(3 * faces.len());
         let edges = faces.iter().flat_map(|f| [0, 1, 2].map(|i| (*f, i)));
@@ -233,7 +233,7 @@ impl<'a> Assembly<'a> {
         (0..faces.len()).map(|f| [0, 1, 2].map(|i| named(3 * f + i))).collect()
     }
 
-    /// The sides of the numbered faces that have nothing beside them on the paper.
+    /// Returns the sides of the numbered faces without a neighbour on the paper.
     fn outline(&self, faces: &[usize], patch: &Patch, flat: &Flat) -> Vec<Side> {
         let mut sides = Vec::new();
         for (corners, face) in patch.corners.iter().zip(faces) {
@@ -252,7 +252,7 @@ impl<'a> Assembly<'a> {
         sides
     }
 
-    /// The pieces with as little stretch as they get, each turned into its smallest rectangle, which starts at 0, 0.
+    /// Returns the pieces with minimised stretch, each rotated into its smallest rectangle, which starts at 0, 0.
     pub(super) fn finish(mut self) -> Vec<Piece> {
         let pieces = std::mem::take(&mut self.pieces).into_iter().flatten();
         pieces.map(|piece| self.finished(piece)).collect()
@@ -277,7 +277,7 @@ impl<'a> Assembly<'a> {
     }
 }
 
-/// How to move the second of each pair so that it lies on the first, without stretch (Schönemann 1966).
+/// Returns the rigid motion that best maps the second of each pair onto the first (Schönemann 1966).
 fn aligned(pairs: &[[Vector2<f64>; 2]]) -> impl Fn(Vector2<f64>) -> Vector2<f64> + use<> {
     let mean = |i: usize| pairs.iter().map(|p| p[i]).sum::<Vector2<f64>>() / pairs.len().max(1) as f64;
     let (to, from) = (mean(0), mean(1));
@@ -298,7 +298,7 @@ fn aligned(pairs: &[[Vector2<f64>; 2]]) -> impl Fn(Vector2<f64>) -> Vector2<f64>
     }
 }
 
-/// The corners of faces seen along the first one's normal.
+/// Projects the corners of faces along the first one's normal.
 fn seen_along(surface: &Surface, faces: &[usize]) -> Vec<[Vector2<f64>; 3]> {
     let Some(first) = faces.first() else { return Vec::new() };
     let corners = surface.corners(*first);

@@ -1,13 +1,13 @@
-//! Where pieces lie beside each other on the surface.
+//! Borders between pieces on the surface.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::assembly::{Assembly, Edge};
 
-/// Two pieces in rising order, or one and itself at a slit.
+/// Two pieces in ascending order, or one and itself at a slit.
 pub(super) type Pair = (usize, usize);
 
-/// The edges between each two pieces, and at the slits of each; only those of one piece if one is given.
+/// Returns the edges between each two pieces, and at the slits of each; only those of one piece if one is given.
 pub(super) fn borders(assembly: &Assembly, of: Option<usize>) -> BTreeMap<Pair, Vec<Edge>> {
     let mut borders: BTreeMap<Pair, Vec<Edge>> = BTreeMap::new();
     let pieces = of.map_or(0..assembly.pieces.len(), |one| one..one + 1);
@@ -18,7 +18,7 @@ pub(super) fn borders(assembly: &Assembly, of: Option<usize>) -> BTreeMap<Pair, 
             let (Some(a), Some(b)) = (assembly.piece_of[*face], assembly.piece_of[other]) else {
                 continue;
             };
-            // Where all pieces are asked for, an edge is met from both sides, and at a slit always.
+            // For all pieces, an edge is visited from both sides, and at a slit always.
             let is_first = if a == b { *face < other } else { of.is_some() || a < b };
             if is_first && !assembly.glued[*face][side] {
                 borders.entry((a.min(b), a.max(b))).or_default().push((*face, side));
@@ -33,7 +33,7 @@ fn ends(assembly: &Assembly, (face, side): Edge) -> [usize; 2] {
     [corners[side], corners[(side + 1) % 3]]
 }
 
-/// The edges in chains that have no corner in common.
+/// Groups the edges into runs without common corners.
 pub(super) fn runs(assembly: &Assembly, edges: &[Edge]) -> Vec<Vec<Edge>> {
     let mut runs: Vec<(BTreeSet<usize>, Vec<Edge>)> = Vec::new();
     for edge in edges {
@@ -52,7 +52,7 @@ pub(super) fn runs(assembly: &Assembly, edges: &[Edge]) -> Vec<Vec<Edge>> {
     runs.into_iter().map(|(_, edges)| edges).collect()
 }
 
-/// A chain of edges cut in the middle of its length; nothing if it is closed.
+/// Splits a chain of edges in the middle of its length; returns nothing if it is closed.
 pub(super) fn halves(assembly: &Assembly, run: &[Edge]) -> Vec<Vec<Edge>> {
     let mut at: BTreeMap<usize, Vec<Edge>> = BTreeMap::new();
     for edge in run {

@@ -1,20 +1,20 @@
-//! First clusters: faces beside each other whose normals are almost those of the first, and which no crease parts.
+//! Initial clusters: adjacent faces whose normals are close to the first one's, without creases between them.
 
 use nalgebra::{Point3, Vector3};
 
 use super::surface::{Neighbours, Surface};
 use scaleproof_surface::mesh::doubled_area;
 
-/// A face at this angle is shown 1.02 times too short.
+/// Maximum angle to the first face's normal: projection shortens such a face by 1.02.
 const CONE_DEG: f64 = 11.0;
 
-/// Every face is in one.
+/// Returns the clusters; every face is in one.
 pub(super) fn grow(surface: &Surface, across: &Neighbours, fits_mm: Option<[f64; 2]>) -> Vec<Vec<usize>> {
     let normals: Vec<Vector3<f64>> = (0..surface.faces.len())
         .map(|f| doubled_area(&surface.corners(f)).normalize())
         .collect();
     let least = CONE_DEG.to_radians().cos();
-    // In whatever way such a piece is turned, it fits.
+    // A piece of this size fits in any rotation.
     let widest = fits_mm.map_or(f64::INFINITY, |[a, b]| 0.5 * a.min(b));
     let (mut is_taken, mut clusters) = (vec![false; normals.len()], Vec::new());
     let mut seeds: Vec<usize> = (0..normals.len()).collect();

@@ -1,4 +1,4 @@
-//! Pieces are glued together, the ones that cost least stretch for the border they save first, as long as all bounds are kept.
+//! Greedy gluing of pieces: those with the least cost in stretch per saved border first, as long as all bounds are kept.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -6,7 +6,7 @@ use std::collections::BinaryHeap;
 use super::assembly::{Assembly, Edge, Piece, Sums};
 use super::borders::{Pair, borders, halves, runs};
 
-/// How much is done for few pieces. The first level is always done, the others in turn while there are too many pieces.
+/// Levels of effort for few pieces. The first level is always run, the others in turn while there are too many pieces.
 const LEVELS: [Level; 3] = [
     Level {
         worst_excess: 1.0,
@@ -24,26 +24,26 @@ const LEVELS: [Level; 3] = [
         halves: true,
     },
 ];
-/// A seam costs as much as this stretch of the smaller piece: pieces of no stretch at all are glued along their longest borders.
+/// Cost of a seam, as stretch of the smaller piece: pieces without any stretch are glued along their longest borders.
 const SEAM: f64 = 0.002;
-/// The share of the outline that counts as none.
+/// Share of the outline that counts as zero.
 const LEAST_SHARE: f64 = 0.05;
-/// This share of the paint may be left out where the number of pieces is bounded, and this one is enough to stop.
+/// Share of the paint that may be left out if the number of pieces is bounded, and the share that is good enough to stop.
 const LEFT_OUT: f64 = 0.03;
 const LEFT_OUT_WELL: f64 = 0.02;
-/// Shares of the area that may be above the 99th percentile, with some room.
+/// Share of the area that may be above the 99th percentile, with some margin.
 const ABOVE: f64 = 0.0095;
 
 struct Level {
-    /// No piece is stretched by more than so many times what is asked for in the mean.
+    /// Maximum excess of a piece's mean stretch, as a multiple of the requested one.
     worst_excess: f64,
-    /// Glued pieces may take this more paper, as rectangles, than apart: mm² per mm of the border they save.
+    /// Maximum additional paper, as rectangles, of glued pieces: mm² per mm of the border they save.
     paper_mm: f64,
-    /// Borders that cannot be glued whole are glued by halves.
+    /// True to glue borders that cannot be glued whole by halves.
     halves: bool,
 }
 
-/// How many of the largest pieces have all the paint but what may be left out.
+/// Returns the number of the largest pieces that contain all the paint but what may be left out.
 pub(super) fn needed(pieces: &[Piece]) -> usize {
     without_small(pieces.iter(), LEFT_OUT)
 }
@@ -59,8 +59,8 @@ fn without_small<'a>(pieces: impl Iterator<Item = &'a Piece>, share: f64) -> usi
     areas.len() - small.count()
 }
 
-/// Few pieces of these. Compact ones are tried first; where they are too many, the later levels begin at once, since what the first has glued
-/// may be in the way of more.
+/// Glues these into few pieces. Compact ones are tried first; if they are too many, later levels begin at once, since pieces glued by the first may
+/// block others.
 pub(super) fn pieces(assembly: &Assembly, progress: &mut dyn FnMut(f64)) -> Vec<Piece> {
     let mut best: Option<(usize, Assembly)> = None;
     for first in 0..LEVELS.len() {
@@ -79,7 +79,7 @@ pub(super) fn pieces(assembly: &Assembly, progress: &mut dyn FnMut(f64)) -> Vec<
     best.map_or(Vec::new(), |(_, assembly)| assembly.finish())
 }
 
-/// Two pieces that may be glued, and what came of it.
+/// Two pieces that may be glued, and the resulting piece.
 struct Trial {
     pair: Pair,
     edges: Vec<Edge>,
@@ -89,10 +89,10 @@ struct Trial {
 struct Merge<'a> {
     assembly: Assembly<'a>,
     level: &'static Level,
-    /// `None` once done, or if one of its pieces is no more.
+    /// Trials; `None` once done, or if one of its pieces no longer exists.
     trials: Vec<Option<Trial>>,
     trials_of: Vec<Vec<usize>>,
-    /// The bits of a trial's cost, which have the order of the costs, and the trial.
+    /// Bits of a trial's cost, which sort like the costs, and the trial's index.
     queue: BinaryHeap<Reverse<(u64, usize)>>,
 }
 
@@ -115,7 +115,7 @@ impl<'a> Merge<'a> {
         without_small(self.alive(), left_out)
     }
 
-    /// Whether there are few enough pieces. Any number is where none is asked for.
+    /// Returns true if there are few enough pieces; always, if their number is not bounded.
     fn is_few(&self, left_out: f64) -> bool {
         let most = self.assembly.request.most_pieces;
         most.is_none_or(|most| self.needed(left_out) <= most)
@@ -136,7 +136,7 @@ impl<'a> Merge<'a> {
         }
     }
 
-    /// Glues what costs least; false if there is nothing.
+    /// Glues the cheapest pair; returns false if there is none.
     fn step(&mut self) -> bool {
         let Some(Reverse((_, index))) = self.queue.pop() else {
             return false;
@@ -158,13 +158,13 @@ impl<'a> Merge<'a> {
         true
     }
 
-    /// What two pieces sum up to, which are one at a slit.
+    /// Returns the sums of two pieces, or of one at a slit.
     fn apart(&self, (a, b): Pair) -> Sums {
         let sums = |piece: usize| self.assembly.pieces[piece].as_ref().map_or(Sums::default(), |p| p.sums);
         if a == b { sums(a) } else { sums(a) + sums(b) }
     }
 
-    /// Whether all pieces keep the bounds of the whole, also when some are left out.
+    /// Returns true if all pieces together keep the bounds, also when some are left out.
     fn is_affordable(&self, apart: Sums, made: Sums) -> bool {
         let all = self.alive().fold(Sums::default(), |sum, piece| sum + piece.sums);
         let area = (1.0 - LEFT_OUT) * all.area;
@@ -189,7 +189,7 @@ impl<'a> Merge<'a> {
         }
     }
 
-    /// Whether two pieces can be glued at these edges; if so, they are queued.
+    /// Tests if two pieces can be glued at these edges; if so, queues them.
     fn try_to_glue(&mut self, pair: Pair, edges: &[Edge]) -> bool {
         let Some(made) = self.assembly.glue(pair.0, pair.1, edges) else {
             return false;

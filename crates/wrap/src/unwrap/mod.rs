@@ -1,9 +1,9 @@
 //! Cuts the paint of a mesh into few pieces of bounded stretch and flattens each one.
 //!
-//! The steps in order, one file each: the paint as a [`surface`] (corners welded, large triangles subdivided); what of it is visible
-//! ([`visibility`]); which faces lie beside each other ([`topology`]); almost flat [`clusters`]; and gluing them ([`merge`]) as long as the union,
-//! laid flat ([`patch`]), keeps its stretch, does not overlap and fits the paper ([`assembly`]). Gluing is cheapest first, so seams stay where
-//! they are needed: along creases and where the surface ends.
+//! The steps in order, one file each: the paint as a [`surface`] (corners welded, large triangles subdivided); its visible part ([`visibility`]);
+//! adjacency of faces ([`topology`]); almost flat [`clusters`]; and gluing them ([`merge`]) as long as the union, laid flat ([`patch`]), keeps its
+//! stretch, does not overlap and fits the paper ([`assembly`]). Gluing is cheapest first, so seams remain where they are needed: along creases and at
+//! the surface's ends.
 
 mod assembly;
 mod borders;
@@ -23,24 +23,24 @@ pub(crate) use surface::WHOLE;
 
 use scaleproof_surface::mesh::Mesh;
 
-/// More triangles than this take minutes.
+/// Maximum number of triangles; more take minutes.
 pub const MAX_TRIANGLES: usize = 200_000;
 
-/// What can be asked for. No surface is flat to the last digit.
+/// Range of stretch that can be requested. No surface is flat to the last digit.
 const STRETCH: std::ops::RangeInclusive<f64> = 1.001..=2.0;
 
-/// What pieces are asked for.
+/// Bounds on the pieces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnwrapRequest {
-    /// At most so many, and up to 3 % of the paint may be left out for it. `None`: as many as it takes, and no paint is left out.
+    /// Maximum number of pieces, for which up to 3 % of the paint may be left out. `None`: no bound, and no paint is left out.
     pub most_pieces: Option<usize>,
-    /// The mean stretch over all pieces, by area, is at most this.
+    /// Maximum mean stretch over all pieces, by area.
     pub mean_stretch: f64,
-    /// The 99th percentile of the stretch over all pieces, by area, is at most this.
+    /// Maximum 99th percentile of the stretch over all pieces, by area.
     pub stretch_99: f64,
-    /// Each piece fits into a rectangle of this size, turned as it likes, mm; `None`: any size.
+    /// Size of the rectangle that each piece must fit in any rotation, mm; `None`: any size.
     pub fits_mm: Option<[f64; 2]>,
-    /// Also flatten what cannot be seen from outside; otherwise it is left out.
+    /// True to flatten paint that is not visible from outside, too; otherwise it is left out.
     pub hidden_too: bool,
 }
 
@@ -56,19 +56,19 @@ impl Default for UnwrapRequest {
     }
 }
 
-/// One triangle of a piece. A large triangle of the mesh is subdivided, so several faces may share it.
+/// Triangle of a piece. A large triangle of the mesh is subdivided, so several faces may share it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlatFace {
-    /// Of the mesh.
+    /// Index of the triangle in the mesh.
     pub triangle: usize,
-    /// The barycentric place of each corner in that triangle.
+    /// Barycentric coordinates of each corner in that triangle.
     pub weights: [[f64; 3]; 3],
-    /// Into [`Unwrapped::points_mm`]: an edge has the same two indices on both sides of a seam.
+    /// Indices into [`Unwrapped::points_mm`]: an edge has the same two indices on both sides of a seam.
     pub corners: [usize; 3],
-    /// Seen from outside, counter-clockwise. A piece may be cut into itself: two faces of it that share an edge lie apart
-    /// where these differ, and the edge is a seam, too.
+    /// Corners on paper, seen from outside, counter-clockwise. A piece may have slits: two of its faces that share an edge are apart if these differ,
+    /// and the edge is a seam, too.
     pub flat_mm: [[f64; 2]; 3],
-    /// The larger of the largest singular value from surface to paper and of the inverse of the smallest; 1 or more.
+    /// Stretch: the larger of the largest singular value from surface to paper and of the inverse of the smallest; 1 or more.
     pub stretch: f64,
 }
 
@@ -80,18 +80,18 @@ pub struct Chart {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LeftOutReason {
-    /// It cannot be seen from outside.
+    /// The paint is not visible from outside.
     Hidden,
-    /// It has no area, or it is there twice.
+    /// The paint has no area, or is duplicated.
     NoArea,
-    /// Pieces beyond the number asked for, smallest first.
+    /// The paint is on the smallest pieces, beyond the allowed number.
     TooSmall,
 }
 
-/// Paint that no piece has.
+/// Paint that is on no piece.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeftOut {
-    /// Of the mesh, each once, rising. A triangle that was subdivided may have other parts in pieces.
+    /// Triangles of the mesh, each once, ascending. A subdivided triangle may have other parts in pieces.
     pub triangles: Vec<usize>,
     pub surface_mm2: f64,
     pub reason: LeftOutReason,
@@ -99,13 +99,13 @@ pub struct LeftOut {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unwrapped {
-    /// Model frame.
+    /// Points in the model frame.
     pub points_mm: Vec<Point3<f64>>,
-    /// Largest first.
+    /// Pieces, largest first.
     pub charts: Vec<Chart>,
-    /// One for each reason there is.
+    /// Paint left out, one entry per reason.
     pub left_out: Vec<LeftOut>,
-    /// The paint that can be seen, in pieces or not; all paint where hidden paint is flattened, too.
+    /// Visible paint, in pieces or not; all paint if hidden paint is flattened, too.
     pub visible_mm2: f64,
     pub mean_stretch: f64,
     pub stretch_99: f64,
@@ -118,7 +118,7 @@ impl Unwrapped {
     }
 }
 
-/// Why there are no pieces.
+/// Reason why there are no pieces.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum UnwrapError {
     #[error("the mesh has no paint that can be seen; check the paint's name and which way is up")]
@@ -135,7 +135,7 @@ pub enum UnwrapError {
     BadSize { size_mm: [f64; 2] },
 }
 
-/// Cuts the paint of these materials (all if there are none) into pieces and flattens each. `progress` is called with the share that is done.
+/// Cuts the paint of these materials (all if there are none) into pieces and flattens each. `progress` is called with the share done.
 pub fn unwrap(
     mesh: &Mesh,
     materials: &[usize],
@@ -165,7 +165,7 @@ pub fn unwrap(
     summary(surface, pieces, left_out, request)
 }
 
-/// The faces that are not marked.
+/// Returns the faces that are not marked.
 fn unmarked(marks: &[bool]) -> Vec<usize> {
     (0..marks.len()).filter(|f| !marks[*f]).collect()
 }
@@ -182,7 +182,7 @@ fn check(request: &UnwrapRequest) -> Result<(), UnwrapError> {
     }
 }
 
-/// The pieces largest first, without those that may be left out, and what they keep.
+/// Sorts the pieces by area, drops the smallest as far as allowed, and computes stretch statistics.
 fn summary(
     surface: Surface,
     mut pieces: Vec<Piece>,
@@ -237,7 +237,7 @@ fn chart(surface: &Surface, piece: Piece) -> Chart {
     }
 }
 
-/// The value that a share of the area does not exceed, of pairs of value and area.
+/// Returns the value that a share of the area does not exceed, from pairs of value and area.
 fn percentile(mut values: Vec<(f64, f64)>, share: f64) -> f64 {
     values.sort_by(|a, b| a.0.total_cmp(&b.0));
     let total: f64 = values.iter().map(|(_, area)| area).sum();

@@ -1,13 +1,13 @@
-//! Outlines on the paper: whether they cross, and whether they fit into a rectangle.
+//! Outlines on the paper: tests for self-intersection, and for fitting into a rectangle.
 
 use nalgebra::Vector2;
 
 use scaleproof_core::geometry::{convex_hull, extent};
 
-/// A side of an outline, with the places at its ends.
+/// Side of an outline: place index and position of both ends.
 pub(super) type Side = [(usize, Vector2<f64>); 2];
 
-/// Whether two sides without a common place cross.
+/// Returns true if any two sides without a common place cross.
 pub(super) fn is_crossing(sides: &[Side]) -> bool {
     let extent = |s: &Side, i: usize| (s[0].1[i].min(s[1].1[i]), s[0].1[i].max(s[1].1[i]));
     let mut order: Vec<&Side> = sides.iter().collect();
@@ -21,14 +21,15 @@ pub(super) fn is_crossing(sides: &[Side]) -> bool {
     })
 }
 
-/// Whether the ends of the second lie on both sides of the first's line.
+/// Returns true if the ends of the second side are on different sides of the first's line.
 fn parts(a: &Side, b: &Side) -> bool {
     let beside = b.map(|(_, p)| (a[1].1 - a[0].1).perp(&(p - a[0].1)));
     beside[0].min(beside[1]) < 0.0 && beside[0].max(beside[1]) > 0.0
 }
 
-/// The area of an outline's smallest rectangle, and the angle by which the outline must be turned for it: the smallest rectangle that lies along one side of the convex hull, as the smallest of all does (Freeman and Shapira 1975), and has
-/// at most this size; any that has this size where none of those does. `None` if the outline does not fit.
+/// Returns the area of an outline's smallest rectangle of at most the given size, and the rotation to it. Tests the rectangles along the sides of the
+/// convex hull, one of which is the smallest of all (Freeman and Shapira 1975); if none of them fits, the smallest fitting one over all whole
+/// degrees. `None` if the outline does not fit.
 pub(super) fn rectangle(points: impl Iterator<Item = Vector2<f64>>, most_mm: Option<[f64; 2]>) -> Option<(f64, f64)> {
     let hull = convex_hull(points.map(Into::into).collect());
     let fitting = |turn: f64| {

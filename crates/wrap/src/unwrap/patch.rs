@@ -1,33 +1,33 @@
-//! Some faces glued together, and laid flat with little stretch.
+//! Faces glued together, and laid flat with little stretch.
 
 use nalgebra::{Matrix2, Point3, Vector2};
 
-/// Steps of the conjugate gradients in one global step, and the share of the first residual at which they end.
+/// Maximum number of conjugate gradient steps in one global step, and the relative residual at which they end.
 const SOLVER: (usize, f64) = (150, 1e-8);
-/// How often a step that does not help is halved.
+/// Maximum number of halvings of a step that does not lower the energy.
 const HALVINGS: usize = 10;
 
-/// Faces that share corners where they are glued.
+/// Faces that share corners at glued edges.
 #[derive(Debug, Clone)]
 pub(super) struct Patch {
-    /// Into the places.
+    /// Place indices of the corners.
     pub corners: Vec<[usize; 3]>,
     places: usize,
     laid: Vec<[Vector2<f64>; 2]>,
     pub area: Vec<f64>,
-    /// How the share of each corner in a point of the face grows over the laid face.
+    /// Gradients of each corner's barycentric coordinate over the laid face.
     gradients: Vec<[Vector2<f64>; 3]>,
 }
 
-/// Where each place lies on the paper.
+/// Position of each place on the paper.
 pub(super) type Flat = Vec<Vector2<f64>>;
 
-/// What is made small, summed over the area; s are the singular values.
+/// Energy to minimise, integrated over the area; s are the singular values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Energy {
-    /// (s − 1)²: as rigid as possible (Liu et al. 2008). It unfolds faces that are flipped at first.
+    /// (s − 1)²: as rigid as possible (Liu et al. 2008). It unfolds initially flipped faces.
     Rigid,
-    /// s² + 1/s²: symmetric Dirichlet (Smith and Schaefer 2015), which keeps single faces from much stretch, and every face from being flipped.
+    /// s² + 1/s²: symmetric Dirichlet (Smith and Schaefer 2015), which limits the stretch of single faces, and prevents flips.
     Dirichlet,
 }
 
@@ -40,7 +40,7 @@ impl Energy {
         }
     }
 
-    /// What (s − 1)² is weighted with, to have the energy's slope (Rabinovich et al. 2017).
+    /// Returns the weight of (s − 1)² that gives the energy's derivative (Rabinovich et al. 2017).
     fn weight(self, s: f64) -> f64 {
         match self {
             Self::Rigid => 1.0,
@@ -67,7 +67,7 @@ impl Patch {
         }
     }
 
-    /// Each place in the middle of where the faces have it.
+    /// Returns each place at the mean of its positions in the faces.
     pub(super) fn mean_places(&self, start: &[[Vector2<f64>; 3]]) -> Flat {
         let (mut flat, mut met) = (vec![Vector2::zeros(); self.places], vec![0.0; self.places]);
         for (places, lies) in self.corners.iter().zip(start) {
@@ -89,7 +89,7 @@ impl Patch {
         faces.map(|f| stretch(self.singular_values(flat, f))).collect()
     }
 
-    /// Whether the faces around a place take more than the whole turn, and so overlap.
+    /// Returns true if the faces around a place have an angle sum of more than a full turn, and so overlap.
     pub(super) fn is_overfull(&self, flat: &Flat) -> bool {
         let mut angle = vec![0.0; self.places];
         for (f, places) in self.corners.iter().enumerate() {
@@ -111,7 +111,7 @@ impl Patch {
         (0..self.corners.len()).map(|f| self.area[f] * density(f)).sum()
     }
 
-    /// Makes the energy small by local and global steps, until one lowers it by less than a share.
+    /// Minimises the energy by local and global steps, until one lowers it by less than a share.
     pub(super) fn relax(&self, flat: &mut Flat, energy: Energy, steps: usize, least_gain: f64) {
         let mut now = self.energy(flat, energy);
         let unstretched = 2.0 * energy.value(1.0) * self.area.iter().sum::<f64>();
@@ -134,7 +134,7 @@ impl Patch {
                 break;
             }
             *flat = next;
-            // What is perfect already has nothing to gain.
+            // An energy that is already minimal has nothing to gain.
             let is_done = now - after <= least_gain * (after - unstretched) + 1e-12 * now;
             now = after;
             if is_done {
@@ -143,7 +143,7 @@ impl Patch {
         }
     }
 
-    /// Turns each face as it lies best, and weights what is left of its map.
+    /// Local step: best rotation of each face, and the weights of its remaining deformation.
     fn local_step(&self, flat: &Flat, energy: Energy) -> System<'_> {
         let mut weights = Vec::with_capacity(self.corners.len());
         let mut right_side = vec![Vector2::zeros(); self.places];
@@ -169,7 +169,7 @@ impl Patch {
         }
     }
 
-    /// The weight as a function of the symmetric part of the map.
+    /// Returns the weight as a function of the symmetric part of the map.
     fn weight(&self, flat: &Flat, face: usize, symmetric: &Matrix2<f64>, energy: Energy) -> Matrix2<f64> {
         if energy == Energy::Rigid {
             return Matrix2::identity();
@@ -183,7 +183,7 @@ impl Patch {
         Matrix2::identity() * (at_large - slope * large) + slope * symmetric
     }
 
-    /// The linear part of the affine map from the laid face to the paper.
+    /// Returns the linear part of the affine map from the laid face to the paper.
     fn map(&self, flat: &Flat, face: usize) -> Matrix2<f64> {
         let terms = self.corners[face].iter().zip(&self.gradients[face]);
         terms
@@ -192,7 +192,7 @@ impl Patch {
     }
 }
 
-/// The global step: places whose maps are nearest to the turned faces.
+/// Global step: the places whose maps are nearest to the rotated faces.
 struct System<'a> {
     patch: &'a Patch,
     weights: Vec<Matrix2<f64>>,
@@ -212,7 +212,7 @@ impl System<'_> {
         product
     }
 
-    /// By preconditioned conjugate gradients, from where the places are.
+    /// Solves by preconditioned conjugate gradients, starting from the current places.
     fn solve(&self, x: &mut Flat) {
         let dot = |a: &Flat, b: &Flat| -> f64 { a.iter().zip(b).map(|(a, b)| a.dot(b)).sum() };
         let scaled = |r: &Flat| -> Flat { r.iter().zip(&self.preconditioner).map(|(r, p)| p * r).collect() };
@@ -248,7 +248,7 @@ impl System<'_> {
     }
 }
 
-/// A triangle of the surface laid into the plane without stretch: its first corner at the origin, its second on the x axis.
+/// Lays a triangle of the surface into the plane without stretch: its first corner at the origin, its second on the x axis.
 fn laid(corners: &[Point3<f64>; 3]) -> [Vector2<f64>; 2] {
     let (b, c) = (corners[1] - corners[0], corners[2] - corners[0]);
     let length = b.norm();
@@ -258,8 +258,8 @@ fn laid(corners: &[Point3<f64>; 3]) -> [Vector2<f64>; 2] {
     ]
 }
 
-/// The singular values of the affine map from a triangle of the surface to the paper, larger first; the smaller is negative where
-/// the triangle is flipped (Sander et al. 2001, section 3, for the direction from paper to surface).
+/// Returns the singular values of the affine map from a triangle of the surface to the paper, larger first; the smaller is negative if the triangle
+/// is flipped (Sander et al. 2001, section 3, for the direction from paper to surface).
 fn singular_values(laid: &[Vector2<f64>; 2], flat: &[Vector2<f64>; 3]) -> [f64; 2] {
     let paper = Matrix2::from_columns(&[flat[1] - flat[0], flat[2] - flat[0]]);
     let [b, c] = laid;
@@ -273,7 +273,7 @@ fn singular_values(laid: &[Vector2<f64>; 2], flat: &[Vector2<f64>; 3]) -> [f64; 
     [(plus + minus) / 2.0, (plus - minus) / 2.0]
 }
 
-/// 1 where lengths are kept; infinite where the triangle is flipped.
+/// Returns the stretch of these singular values: 1 if lengths are kept; infinite for a flipped triangle.
 fn stretch([large, small]: [f64; 2]) -> f64 {
     if small > 0.0 {
         large.max(1.0 / small).max(1.0)

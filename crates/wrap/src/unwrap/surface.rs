@@ -1,4 +1,4 @@
-//! The paint as faces: its corners welded, its large triangles subdivided.
+//! Paint as faces: its corners welded, its large triangles subdivided.
 
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap, HashMap};
 
@@ -7,20 +7,20 @@ use nalgebra::Point3;
 use super::{LeftOut, LeftOutReason, MAX_TRIANGLES, UnwrapError};
 use scaleproof_surface::mesh::{Mesh, doubled_area, edges};
 
-/// Corners closer than this share of the mesh's longest side are one.
+/// Distance, as a share of the mesh's longest side, below which corners are welded.
 const WELD: f64 = 1e-6;
-/// A triangle that is flatter than this is a line: its height by its longest side.
+/// Ratio of height to longest side below which a triangle is degenerate.
 const LEAST_HEIGHT: f64 = 1e-6;
-/// No edge is longer than this share of the paper's shorter side, so that pieces can be cut anywhere.
+/// Maximum length of an edge, as a share of the paper's shorter side, so that pieces can be cut anywhere.
 const EDGE_OF_PAPER: f64 = 0.25;
 
-/// The barycentric coordinates of the corners of a whole triangle.
+/// Barycentric coordinates of the corners of a whole triangle.
 pub const WHOLE: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// For each edge of each face the face at its other side, and which of that face's edges it is.
+/// For each edge of each face the face at its other side, and the index of that face's edge.
 pub(super) type Neighbours = Vec<[Option<(usize, usize)>; 3]>;
 
-/// One triangle of the paint, or a part of one.
+/// Triangle of the paint, or a part of one.
 #[derive(Debug, Clone)]
 pub(super) struct Face {
     pub triangle: usize,
@@ -66,7 +66,7 @@ impl Surface {
         Ok(surface)
     }
 
-    /// Keeps these faces only.
+    /// Keeps only these faces.
     pub(super) fn keep(&mut self, is_kept: &[bool]) {
         let mut is_kept = is_kept.iter();
         self.faces.retain(|_| is_kept.next() == Some(&true));
@@ -80,7 +80,7 @@ impl Surface {
         0.5 * doubled_area(&self.corners(face)).norm()
     }
 
-    /// Faces at edges that only two have, if the two (face and edge of each) are allowed to be neighbours.
+    /// Returns the neighbours at edges that exactly two faces share, if `is_allowed` for the two (face and edge of each).
     pub(super) fn neighbours(&self, is_allowed: impl Fn([usize; 2], [usize; 2]) -> bool) -> Neighbours {
         let mut at_edge: BTreeMap<[usize; 2], Vec<[usize; 2]>> = BTreeMap::new();
         for (f, face) in self.faces.iter().enumerate() {
@@ -138,12 +138,12 @@ impl Surface {
     fn push_if_long(&self, edge: [usize; 2], longest_mm: f64, queue: &mut BinaryHeap<(u64, [usize; 2])>) {
         let length = (self.points[edge[0]] - self.points[edge[1]]).norm();
         if length > longest_mm {
-            // The bits of positive numbers are ordered as they are.
+            // The bits of positive numbers sort like the numbers.
             queue.push((length.to_bits(), edge));
         }
     }
 
-    /// The face keeps the half at the edge's first corner along its own order; the other half is appended.
+    /// Halves a face: it keeps the half at the edge's first corner in its own order; the other half is appended.
     fn halve(&mut self, face: usize, edge: [usize; 2], middle: usize) {
         let old = &self.faces[face];
         let (mut first, mut second) = (old.clone(), old.clone());
@@ -160,7 +160,7 @@ impl Surface {
         self.faces.push(second);
     }
 
-    /// The triangles of the mesh that these faces are parts of. Triangles without area have no faces; they belong to their reason.
+    /// Returns the triangles of the mesh that these faces are parts of. Degenerate triangles, which have no faces, are included for their reason.
     pub(super) fn left_out(&self, faces: &[usize], reason: LeftOutReason) -> Option<LeftOut> {
         let lines = (reason == LeftOutReason::NoArea).then_some(&self.lines);
         let parts = faces.iter().map(|f| self.faces[*f].triangle);
@@ -180,7 +180,7 @@ fn is_line(corners: &[Point3<f64>; 3]) -> bool {
     doubled_area(corners).norm() <= LEAST_HEIGHT * longest * longest
 }
 
-/// The places of all corners, and which of them each corner of the mesh has. Close ones are one place.
+/// Welds close corners; returns the points, and the index of each corner of the mesh among them.
 fn welded(mesh: &Mesh) -> (Vec<Point3<f64>>, Vec<usize>) {
     let (low, high) = mesh.bounds_mm();
     let tolerance = WELD * (high - low).amax();

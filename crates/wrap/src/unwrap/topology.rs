@@ -1,10 +1,10 @@
-//! Which faces lie beside each other, and which side of them is outside.
+//! Adjacency of faces, and their outer sides.
 
 use super::surface::{Neighbours, Surface};
 use super::visibility::Seen;
 
-/// The face across each edge of each face, and which of its edges that is. `None` at a border and where more than two meet or a surface
-/// without sides, as Moebius' band, is cut. Faces are turned over so that neighbours agree and the side that is seen more is outside.
+/// Returns the face across each edge of each face, and the index of that face's edge; `None` at a border, where more than two faces meet, or where a
+/// non-orientable surface, such as a Möbius strip, is cut. Flips faces so that neighbours agree and the more visible side is outside.
 pub(super) fn oriented(surface: &mut Surface, seen: &[Seen]) -> Neighbours {
     let beside = surface.neighbours(|_, _| true);
     let is_turned = turned(surface, seen, &beside);
@@ -15,7 +15,7 @@ pub(super) fn oriented(surface: &mut Surface, seen: &[Seen]) -> Neighbours {
     surface.neighbours(|[f, i], [g, j]| surface.faces[f].corners[i] != surface.faces[g].corners[j])
 }
 
-/// Which faces are wound against the outside.
+/// Returns, for each face, true if its winding is opposite to the outside.
 fn turned(surface: &Surface, seen: &[Seen], beside: &Neighbours) -> Vec<bool> {
     let mut turned: Vec<Option<bool>> = vec![None; surface.faces.len()];
     for seed in 0..turned.len() {

@@ -1,4 +1,4 @@
-//! What of the paint can be seen from outside, and which side of it: z-buffers of the whole mesh from around and above.
+//! Visibility of the paint from outside, and of either side: z-buffers of the whole mesh from around and above.
 
 use nalgebra::{Point3, Vector3};
 
@@ -6,29 +6,29 @@ use super::surface::{Neighbours, Surface};
 use scaleproof_core::geometry::{self, extent, view_axes};
 use scaleproof_surface::mesh::{Mesh, doubled_area};
 
-/// Elevations of the views and how many stand around at each. A person looks at a model on a table slightly from below, too.
+/// Elevations of the views and their number around at each. A person looks at a model on a table slightly from below, too.
 const VIEWS: [(f64, usize); 5] = [(-10.0, 12), (10.0, 12), (32.0, 12), (58.0, 8), (90.0, 1)];
-/// Pixels along the mesh's longest side.
+/// Number of pixels along the mesh's longest side.
 const PIXELS: f64 = 700.0;
-/// A face of which no view shows this share is hidden.
+/// Share of a face that one view must show; otherwise the face is hidden.
 const LEAST_SHARE: f64 = 0.15;
-/// One between visible faces is visible from this share on, so that borders have no teeth.
+/// Share from which a face between visible ones is visible, so that borders are smooth.
 const LEAST_BETWEEN: f64 = 0.02;
-/// A view that sees a face flatter than this, as the cosine of the angle to its normal, does not show it: a floor from just below.
+/// Minimum cosine of the angle between a face's normal and a view that shows it; excludes a floor seen from just below.
 const LEAST_COSINE: f64 = 0.2;
-/// What lies this close behind another is at the same place, in pixels.
+/// Depth difference within which surfaces count as one, in pixels.
 const SAME_DEPTH: f64 = 0.02;
 
-/// How each face was seen.
+/// Visibility of a face.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Seen {
-    /// The largest share of it that one view shows; `None` if it is too small for all of them.
+    /// Largest share of it shown in one view; `None` if it is too small for all of them.
     share: Option<f64>,
-    /// Pixels in all views that show the side it is wound to, less those that show its back.
+    /// Number of pixels in all views that show its front, by its winding, less those that show its back.
     pub front_px: i64,
 }
 
-/// How the views see each face.
+/// Renders all views and measures the visibility of each face.
 pub(super) fn seen(mesh: &Mesh, surface: &Surface) -> Vec<Seen> {
     let mut seen = vec![Seen::default(); surface.faces.len()];
     let (low, high) = mesh.bounds_mm();
@@ -48,7 +48,7 @@ pub(super) fn seen(mesh: &Mesh, surface: &Surface) -> Vec<Seen> {
     seen
 }
 
-/// Which faces are visible. One that is too small for all views is.
+/// Returns, for each face, true if it is visible. A face that is too small for all views is.
 pub(super) fn visible(seen: &[Seen], beside: &Neighbours) -> Vec<bool> {
     let shows = |f: usize, least: f64| seen[f].share.is_none_or(|share| share >= least);
     let is_shown: Vec<bool> = (0..seen.len()).map(|f| shows(f, LEAST_SHARE)).collect();
@@ -57,9 +57,9 @@ pub(super) fn visible(seen: &[Seen], beside: &Neighbours) -> Vec<bool> {
     (0..seen.len()).map(is_visible).collect()
 }
 
-/// An orthographic view: for each pixel how near the nearest surface is.
+/// Orthographic view: the depth of the nearest surface at each pixel.
 struct View {
-    /// To the right, up and towards the viewer, in pixels.
+    /// Axes to the right, up and towards the viewer, in pixels.
     axes: [Vector3<f64>; 3],
     origin: [f64; 2],
     size: [usize; 2],
@@ -74,7 +74,7 @@ impl View {
         let size = [x, y].map(|(low, high)| (high - low).ceil() as usize + 2);
         Self {
             axes,
-            // Off the pixels' centres, which the edges of a box would meet otherwise.
+            // Off the pixels' centres, which would otherwise coincide with the edges of a box.
             origin: [x.0 - 0.63, y.0 - 0.59],
             size,
             nearest: vec![f64::NEG_INFINITY; size[0] * size[1]],
@@ -114,7 +114,7 @@ fn doubled(corners: &[[f64; 3]; 3]) -> f64 {
     geometry::doubled_area(a, b, c)
 }
 
-/// Calls with the index and the depth at each pixel whose centre the triangle covers.
+/// Calls `each` with the index and the depth at each pixel whose centre the triangle covers.
 fn pixels(corners: &[[f64; 3]; 3], size: [usize; 2], mut each: impl FnMut(usize, f64)) {
     let area = doubled(corners);
     if area.abs() < 1e-9 {

@@ -1,16 +1,16 @@
-//! Bits of entropy-coded data, the highest first (ITU-T T.81, F.2.2.5). Behind the end come zeros, which the reader counts.
+//! Bit reader of entropy-coded data, most significant bit first (ITU-T T.81, F.2.2.5). Zeros follow the end; the reader counts them.
 
 pub(super) struct Bits<'a> {
     bytes: &'a [u8],
-    /// The next byte to be loaded; it may lie behind the end.
+    /// Index of the next byte to load; it may be beyond the end.
     next: usize,
-    /// The loaded bits, at the top.
+    /// Loaded bits, left-aligned.
     loaded: u64,
-    /// How many of them are to be read.
+    /// Number of loaded bits not read yet.
     count: u32,
 }
 
-/// [`Bits::load`] leaves at least as many bits.
+/// Minimum number of bits after [`Bits::load`].
 const LOADED: u32 = 32;
 
 impl<'a> Bits<'a> {
@@ -23,7 +23,7 @@ impl<'a> Bits<'a> {
         }
     }
 
-    /// Afterwards 32 bits at least can be read: more than a code of 16 and its value of 15.
+    /// Loads bits; afterwards at least 32 can be read: more than a code of 16 and its value of 15.
     #[inline(always)]
     pub(super) fn load(&mut self) {
         if self.count >= LOADED {
@@ -39,7 +39,7 @@ impl<'a> Bits<'a> {
         self.count += 8 * bytes;
     }
 
-    /// The next `n` bits, 1 to 16, which stay.
+    /// Returns the next `n` bits, 1 to 16, without consuming them.
     #[inline(always)]
     pub(super) fn peek(&self, n: u32) -> u32 {
         (self.loaded >> (64 - n)) as u32
@@ -51,7 +51,7 @@ impl<'a> Bits<'a> {
         self.count -= n;
     }
 
-    /// The next `n` bits, 0 to 16, which must be loaded.
+    /// Reads the next `n` bits, 0 to 16, which must be loaded.
     #[inline(always)]
     pub(super) fn take(&mut self, n: u32) -> u32 {
         let bits = (self.loaded >> 1 >> (63 - n)) as u32;
@@ -59,7 +59,7 @@ impl<'a> Bits<'a> {
         bits
     }
 
-    /// The value of `n` bits as F.2.2.1's EXTEND reads it: those below half of the range are negative.
+    /// Reads the value of `n` bits by F.2.2.1's EXTEND: those below half of the range are negative.
     #[inline(always)]
     pub(super) fn value(&mut self, n: u32) -> i32 {
         let bits = self.take(n) as i32;
@@ -76,13 +76,13 @@ impl<'a> Bits<'a> {
         self.take(1) == 1
     }
 
-    /// How many whole bytes are left; negative when bits were read that are not there.
+    /// Returns the number of whole bytes left; negative if bits beyond the end were read.
     pub(super) fn bytes_left(&self) -> i64 {
         (8 * (self.bytes.len() as i64 - self.next as i64) + i64::from(self.count)).div_euclid(8)
     }
 }
 
-/// Fewer than eight bytes, with zeros behind them.
+/// Returns the last bytes, fewer than eight, followed by zeros.
 #[cold]
 fn last_word(bytes: &[u8], at: usize) -> u64 {
     let mut word = [0; 8];

@@ -1,50 +1,51 @@
-//! The coefficients of a JPEG: its data with the codes undone, from which pixels of any size and place follow.
+//! DCT coefficients of a JPEG: its Huffman-decoded data, from which pixels of any size and place are computed.
 
 use super::JpegError;
 
-/// One component's blocks of 8 × 8 coefficients.
+/// Blocks of 8 × 8 coefficients of one component.
 #[derive(Debug)]
 pub(super) struct Component {
-    /// Samples across and down for each unit of the coarsest component.
+    /// Horizontal and vertical sampling factor, relative to the coarsest component.
     pub sampling: [u32; 2],
-    /// Blocks across and down, whole groups.
+    /// Number of blocks across and down, including partial groups.
     pub blocks: [usize; 2],
-    /// Samples across and down that the image covers.
+    /// Number of samples across and down that the image covers.
     pub size: [usize; 2],
-    /// Steps of quantization, in the order of frequencies.
+    /// Quantization steps, in zigzag order.
     pub steps: [u16; 64],
     store: Store,
 }
 
 #[derive(Debug)]
 enum Store {
-    /// What is not zero: a tenth of all, in a photo. For images of one scan.
+    /// Non-zero values: a tenth of all, in a photo. For images of one scan.
     Sparse {
         blocks: Vec<SparseBlock>,
         /// The first `used` are entries of blocks.
         values: Vec<u16>,
         used: usize,
     },
-    /// All, 64 a block in the order of frequencies, which scans after the first change; and where a block's entries are made.
+    /// All values, 64 per block in zigzag order, to be changed by later scans; and a buffer for a block's entries.
     Dense { all: Vec<i16>, entries: Box<Entries> },
 }
 
-/// Room for the entries of a block: two for each of 63 places at most.
+/// Buffer for the entries of a block: at most two for each of 63 places.
 type Entries = [u16; 128];
 
 #[derive(Debug, Clone, Copy, Default)]
 struct SparseBlock {
     start: u32,
     mean: i16,
-    /// Entries of `values`.
+    /// Number of its entries in `values`.
     count: u8,
 }
 
-/// An entry of [`Store::Sparse`]: the place among the 64 above the value in ten bits; this value says that the next entry has the value.
+/// Marker value in an entry of [`Store::Sparse`]: the place among the 64 is stored above a value of ten bits; this value says that the next entry has
+/// the value.
 const NEXT_HAS_IT: u16 = 0x200;
 
 impl Component {
-    /// With room for so many values; dense where several scans change them.
+    /// Creates a component with room for this number of values; dense for `None`, if several scans change them.
     pub(super) fn new(sampling: [u32; 2], blocks: [usize; 2], size: [usize; 2], room: Option<usize>) -> Component {
         let count = blocks[0] * blocks[1];
         Component {
@@ -66,7 +67,7 @@ impl Component {
         }
     }
 
-    /// Where the next block's values but for its mean are to be pushed. At most `most` entries are kept.
+    /// Returns the buffer for the next block's AC values. At most `most` entries are kept.
     #[inline(always)]
     pub(super) fn others(&mut self, most: usize) -> Result<Others<'_>, JpegError> {
         let entries = match &mut self.store {
@@ -81,7 +82,7 @@ impl Component {
         Ok(Others { entries, count: 0 })
     }
 
-    /// Sets a whole block: its mean, and the so many entries that were pushed last.
+    /// Sets a whole block: its DC value, and the last `count` entries pushed.
     #[inline(always)]
     pub(super) fn set(&mut self, block: usize, mean: i16, count: usize) {
         match &mut self.store {
@@ -101,7 +102,7 @@ impl Component {
         }
     }
 
-    /// The coefficients of a block, to be changed; empty where they are not kept densely.
+    /// Returns the coefficients of a block for changing; empty if they are not stored densely.
     pub(super) fn dense(&mut self, block: usize) -> &mut [i16] {
         match &mut self.store {
             Store::Dense { all, .. } => &mut all[64 * block..][..64],
@@ -109,7 +110,7 @@ impl Component {
         }
     }
 
-    /// The mean of a block: eight times that of its samples, in steps of quantization, without the 128.
+    /// Returns the DC value of a block: eight times the mean of its samples, in quantization steps, without the offset of 128.
     #[inline(always)]
     pub(super) fn mean(&self, block: usize) -> i16 {
         match &self.store {
@@ -118,7 +119,7 @@ impl Component {
         }
     }
 
-    /// Gives every other value that is not zero and its place, up to the place `last`; says whether the block has any.
+    /// Passes every non-zero AC value with its place, up to the place `last`, to `to`; returns true if the block has any.
     #[inline(always)]
     pub(super) fn each_other(&self, block: usize, last: usize, to: &mut impl Take) -> bool {
         match &self.store {
@@ -141,8 +142,8 @@ impl Component {
     }
 }
 
-/// What takes the values of a block. A trait instead of a closure, since only a function can be told to become part of its caller, whose instructions
-/// for the processor's vectors it needs.
+/// Receiver of a block's values. A trait instead of a closure, since only a function can be forced inline into its caller, whose vector instructions
+/// it needs.
 pub(super) trait Take {
     fn take(&mut self, place: usize, value: i16);
 }
@@ -154,7 +155,7 @@ impl Take for [i16] {
     }
 }
 
-/// Twice the room, for `most` entries at most.
+/// Doubles the room, up to `most` entries.
 #[cold]
 fn more_room(values: &mut Vec<u16>, used: usize, most: usize) -> Result<(), JpegError> {
     if used > most {
@@ -164,15 +165,15 @@ fn more_room(values: &mut Vec<u16>, used: usize, most: usize) -> Result<(), Jpeg
     Ok(())
 }
 
-/// The values of a block but for its mean, while they are read: right where they are kept.
+/// AC values of a block while they are read, directly in their final buffer.
 pub(super) struct Others<'a> {
     entries: &'a mut Entries,
-    /// Entries that were pushed.
+    /// Number of entries pushed.
     pub count: usize,
 }
 
 impl Others<'_> {
-    /// Each place, 1 to 63, once.
+    /// Appends a value at a place, 1 to 63; each place at most once.
     #[inline(always)]
     pub(super) fn push(&mut self, place: usize, value: i16) {
         let high = (place as u16) << 10;
@@ -197,7 +198,7 @@ fn each_entry(entries: &[u16], last: usize, to: &mut (impl Take + ?Sized)) {
         }
         let value = match entry & 0x3FF {
             NEXT_HAS_IT => entries.next().map_or(0, |value| *value as i16),
-            // Ten bits with a sign.
+            // Signed value of ten bits.
             _ => ((entry << 6) as i16) >> 6,
         };
         to.take(place, value);

@@ -1,6 +1,6 @@
-//! Rows of components into rows of RGB.
+//! Conversion of rows of components to rows of RGB.
 
-/// Three rows side by side.
+/// Interleaves three rows.
 pub(super) fn together([r, g, b]: [&[u8]; 3], to: &mut [[u8; 3]]) {
     for (((to, r), g), b) in to.iter_mut().zip(r).zip(g).zip(b) {
         *to = [*r, *g, *b];
@@ -8,7 +8,7 @@ pub(super) fn together([r, g, b]: [&[u8]; 3], to: &mut [[u8; 3]]) {
 }
 
 scaleproof_core::by_avx2! {
-    /// ITU-T T.871, 7: in 16 bits behind the point, each share rounded.
+    /// Converts YCbCr to RGB by ITU-T T.871, 7: with 16 fractional bits, each coefficient rounded.
     pub(super) fn from_ycbcr(rows: [&[u8]; 3], to: &mut [[u8; 3]]) {
         let [y, cb, cr] = rows;
         for (((to, y), cb), cr) in to.iter_mut().zip(y).zip(cb).zip(cr) {
@@ -29,13 +29,13 @@ fn rgb(y: u8, cb: u8, cr: u8) -> [u8; 3] {
     .map(|v| v.clamp(0, 255) as u8)
 }
 
-/// Inverted inks, as Adobe's programs store them: what black leaves of each.
+/// Converts inverted CMYK, as Adobe's programs store it: each ink is scaled by black.
 pub(super) fn from_cmyk(inks: [&[u8]; 3], black: &[u8], to: &mut [[u8; 3]]) {
     together(inks, to);
     darken(black, to);
 }
 
-/// Inverted inks as for [`from_cmyk`], with the three inks stored as the YCbCr of 255 − their values.
+/// Converts inverted CMYK as [`from_cmyk`], with the three inks stored as the YCbCr of 255 − their values.
 pub(super) fn from_ycck(inks: [&[u8]; 3], black: &[u8], to: &mut [[u8; 3]]) {
     from_ycbcr(inks, to);
     to.iter_mut().for_each(|inks| *inks = inks.map(|v| 255 - v));

@@ -1,27 +1,27 @@
-//! What a JPEG's headers say (ITU-T T.81, annex B; JFIF 1.02; Adobe technical note 5116), and what this reader takes.
+//! Headers of a JPEG (ITU-T T.81, annex B; JFIF 1.02; Adobe technical note 5116), and the subset this reader supports.
 
 use super::JpegError;
 use super::segments::{START_OF_SCAN, Segment, Segments};
 
-/// The first image of a file.
+/// Header of a file's first image.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::photo) struct Frame {
     pub size: [u32; 2],
     pub is_progressive: bool,
     pub components: Vec<FrameComponent>,
-    /// Start-of-scan markers.
+    /// Number of start-of-scan markers.
     pub scans: u64,
     pub colours: Colours,
-    /// No end-of-image marker follows the data, which may be cut or whole.
+    /// True if no end-of-image marker follows the data, which may be truncated or complete.
     pub lacks_end: bool,
-    /// What is behind "Exif".
+    /// EXIF data after the identifier "Exif".
     pub exif: Option<Vec<u8>>,
 }
 
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(in crate::photo) struct FrameComponent {
     pub id: u8,
-    /// Samples across and down for each unit of the coarsest component, 1 to 4.
+    /// Horizontal and vertical sampling factor, relative to the coarsest component, 1 to 4.
     pub sampling: [u32; 2],
     pub table: u8,
 }
@@ -32,7 +32,7 @@ pub(in crate::photo) enum Colours {
     /// Luma and two differences (ITU-T T.871).
     YCbCr,
     Rgb,
-    /// Inverted, as Adobe's programs store it.
+    /// CMYK, inverted, as Adobe's programs store it.
     Cmyk,
     /// Inverted CMYK, as Adobe's programs store it, with C, M, Y as YCbCr.
     Ycck,
@@ -42,12 +42,12 @@ const EXIF: u8 = 0xE1;
 const ADOBE: u8 = 0xEE;
 const JFIF: u8 = 0xE0;
 
-/// Starts of frames, but for DHT, JPG and DAC, which lie among them.
+/// Start-of-frame markers, and those of DHT, JPG and DAC within their range.
 const FRAMES: std::ops::RangeInclusive<u8> = 0xC0..=0xCF;
 const NO_FRAMES: [u8; 3] = [0xC4, 0xC8, 0xCC];
 
 impl Frame {
-    /// Reads up to the end of the image, without its data.
+    /// Reads the headers up to the end of the image, without its data.
     pub(in crate::photo) fn read(bytes: &[u8]) -> Result<Frame, JpegError> {
         let (mut frame, mut scans, mut exif) = (None, 0, None);
         let (mut adobe, mut is_jfif) = (None, false);
@@ -124,7 +124,7 @@ fn header(marker: u8, content: &[u8]) -> Result<FrameHeader, JpegError> {
     Ok((size, marker == 0xC2, components))
 }
 
-/// The largest samplings across and down.
+/// Returns the largest sampling factors, horizontal and vertical.
 fn most_sampling(components: &[FrameComponent]) -> [u32; 2] {
     [0, 1].map(|i| components.iter().map(|c| c.sampling[i]).max().unwrap_or(1))
 }

@@ -2,41 +2,41 @@
 
 use super::bits::Bits;
 
-/// Codes up to so many bits are looked up at once, and coefficients whose code and value together are not longer.
+/// Number of bits of the lookup table: codes, and coefficients whose code and value together are not longer, are found in one step.
 const LOOKED_UP: u32 = 11;
 
-/// What stands behind the next bits.
+/// Decoded content of the next bits.
 #[derive(Debug, Clone, Copy, Default)]
 struct Entry {
-    /// Of the code, and of the value when it is known; 0 when the code is longer than what is looked up.
+    /// Length of the code, plus the value if it is known; 0 if the code is longer than the lookup.
     length: u8,
     symbol: u8,
-    /// A coefficient, which is never 0; 0 when its bits are still to be read.
+    /// Coefficient, never 0; 0 if its bits are still to be read.
     value: i16,
 }
 
 #[derive(Clone)]
 pub(super) struct HuffmanTable {
     entries: Box<[Entry; 1 << LOOKED_UP]>,
-    /// By length: one more than its last code, with zeros behind it up to 16 bits.
+    /// By code length: one more than its last code, left-aligned in 16 bits.
     limits: [u32; 17],
-    /// By length: what a code is less than the place of its symbol.
+    /// By code length: offset from a code to the index of its symbol.
     offsets: [i32; 17],
     symbols: [u8; 256],
 }
 
-/// A coefficient of a block in the order of frequencies, or why there is none.
+/// Coefficient of a block in zigzag order, or the reason why there is none.
 pub(super) enum Coefficient {
-    /// After so many zeros.
+    /// Value after a number of zeros.
     Value { zeros: u32, value: i32 },
-    /// No value: the upper half of the symbol.
+    /// No value; holds the upper half of the symbol.
     None(u32),
-    /// No such code.
+    /// The bits are no code.
     Unknown,
 }
 
 impl HuffmanTable {
-    /// From how many codes each length has, and their symbols; `None` when there are more codes than bits allow.
+    /// Builds the table from the number of codes of each length, and their symbols; `None` if there are more codes than bits allow.
     pub(super) fn new(counts: &[u8; 16], symbols: &[u8]) -> Option<HuffmanTable> {
         let mut table = HuffmanTable {
             entries: Box::new([Entry::default(); 1 << LOOKED_UP]),
@@ -87,7 +87,7 @@ impl HuffmanTable {
         self.entries[bits.peek(LOOKED_UP) as usize & ((1 << LOOKED_UP) - 1)]
     }
 
-    /// The symbol of an entry; the bits of its code are skipped, and those of its value stay. `None` for bits that are no code.
+    /// Returns the symbol of an entry and consumes its code, but not its value. `None` for bits that are no code.
     #[inline(always)]
     fn symbol_of(&self, entry: Entry, bits: &mut Bits) -> Option<u8> {
         if entry.length == 0 {
@@ -101,14 +101,14 @@ impl HuffmanTable {
         Some(entry.symbol)
     }
 
-    /// The next symbol; `None` for bits that are no code.
+    /// Reads the next symbol; `None` for bits that are no code.
     #[inline(always)]
     pub(super) fn symbol(&self, bits: &mut Bits) -> Option<u8> {
         let entry = self.entry(bits);
         self.symbol_of(entry, bits)
     }
 
-    /// The next coefficient of a block whose symbols are runs of zeros and sizes.
+    /// Reads the next coefficient of a block whose symbols are run lengths of zeros and sizes.
     #[inline(always)]
     pub(super) fn coefficient(&self, bits: &mut Bits) -> Coefficient {
         let entry = self.entry(bits);
@@ -133,7 +133,7 @@ impl HuffmanTable {
         }
     }
 
-    /// The symbol whose code begins the next 16 bits, and the code's length.
+    /// Returns the symbol whose code begins the next 16 bits, and the code's length.
     #[cold]
     fn long_symbol(&self, next: u32) -> Option<(u8, u32)> {
         let length = (LOOKED_UP + 1..=16).find(|length| next < self.limits[*length as usize])?;
@@ -142,6 +142,6 @@ impl HuffmanTable {
     }
 }
 
-/// Of differences of the mean and of coefficients, in bits, for 8-bit samples (T.81, tables F.1 and F.2; the second ends at 10, and some
-/// encoders overshoot).
+/// Largest size in bits of DC differences and AC coefficients, for 8-bit samples (T.81, tables F.1 and F.2; the second ends at 10, and some encoders
+/// exceed it).
 pub(super) const LARGEST_SIZE: u32 = 11;

@@ -1,33 +1,33 @@
-//! Blocks of coefficients into samples: the inverse cosine transform (ITU-T T.81, A.3.3), whole or of fewer samples.
+//! Inverse cosine transform (ITU-T T.81, A.3.3) of blocks of coefficients to samples, at full size or reduced.
 
 use std::f32::consts::{FRAC_1_SQRT_2, PI};
 
 use super::coefficients::{Component, Take};
 
-/// Where in a block, by rows, the coefficient of each place in the order of frequencies lies (T.81, figure A.6).
+/// Position in a block, by rows, of each coefficient in zigzag order (T.81, figure A.6).
 pub(super) const ZIGZAG: [u8; 64] = [
     0, 1, 8, 16, 9, 2, 3, 10, 17, 24, 32, 25, 18, 11, 4, 5, 12, 19, 26, 33, 40, 48, 41, 34, 27, 20, 13, 6, 7, 14, 21,
     28, 35, 42, 49, 56, 57, 50, 43, 36, 29, 22, 15, 23, 30, 37, 44, 51, 58, 59, 52, 45, 38, 31, 39, 46, 53, 60, 61, 54,
     47, 55, 62, 63,
 ];
 
-/// Makes `N` samples of each block of a component, its rows one after the other. Fewer than 8 × 8 are made of the lowest frequencies alone, taken at
-/// the middle of each sample: as sharp as so few samples can be.
+/// Transform of each block of a component to `N` samples, row by row. For fewer than 8 × 8, only the lowest frequencies are used, sampled at the
+/// centres: as sharp as that number of samples allows.
 pub(super) struct Transform<const N: usize> {
-    /// Samples across a block.
+    /// Number of samples across a block.
     pub across: usize,
-    /// By places: what one unit of the coefficient adds to each sample. Empty for whole blocks, whose rows and columns are taken one after the
-    /// other.
+    /// By zigzag place: contribution of one unit of the coefficient to each sample. Empty for whole blocks, which are transformed by rows and then
+    /// columns.
     shares: Vec<[f32; N]>,
-    /// By places: what one unit adds to each sample of a row, columns not yet transformed.
+    /// By zigzag place: contribution of one unit to each sample of a row, before the transform of columns.
     row_shares: [Lanes; 64],
-    /// What one unit of the mean adds to each sample.
+    /// Contribution of one unit of the DC value to each sample.
     mean_share: f32,
-    /// The last place of the frequencies that count.
+    /// Last zigzag place of the frequencies used.
     last: usize,
 }
 
-/// Samples of the lowest frequencies.
+/// Accumulator of a reduced block's samples.
 struct SumOfShares<'a, const N: usize> {
     samples: [f32; N],
     shares: &'a [[f32; N]],
@@ -43,7 +43,7 @@ impl<const N: usize> Take for SumOfShares<'_, N> {
     }
 }
 
-/// The rows of a whole block, columns not yet transformed.
+/// Accumulator of a whole block's rows, before the transform of columns.
 struct RowSums<'a> {
     rows: &'a mut [Lanes; 8],
     shares: &'a [Lanes; 64],
@@ -58,7 +58,7 @@ impl Take for RowSums<'_> {
 }
 
 impl<const N: usize> Transform<N> {
-    /// For so many samples across and down, whose product is `N`.
+    /// Creates the transform for a number of samples across and down, whose product is `N`.
     pub(super) fn new([across, down]: [usize; 2], component: &Component) -> Transform<N> {
         let (x, y) = (shares(across), shares(down));
         let places = || ZIGZAG.map(|at| (usize::from(at % 8), usize::from(at / 8)));
@@ -81,7 +81,7 @@ impl<const N: usize> Transform<N> {
         }
     }
 
-    /// The samples of a block, not yet [`rounded`].
+    /// Returns the samples of a block, not yet [`rounded`].
     #[inline(always)]
     pub(super) fn samples(&self, component: &Component, block: usize) -> [f32; N] {
         let mean = f32::from(component.mean(block)) * self.mean_share + MIDDLE;
@@ -99,11 +99,11 @@ impl<const N: usize> Transform<N> {
         samples.samples
     }
 
-    /// Rows first, of those coefficients that are not zero; then all columns.
+    /// Transforms a whole block: first the rows of its non-zero coefficients, then all columns.
     #[inline(always)]
     fn whole(&self, component: &Component, block: usize, mean: f32) -> [f32; N] {
         let mut rows = [[0.0_f32; 8]; 8];
-        // The columns multiply it by [`C`] of 4.
+        // The transform of columns multiplies it by [`C`] of 4.
         rows[0] = [mean / C[4]; 8];
         let mut to = RowSums {
             rows: &mut rows,
@@ -119,11 +119,11 @@ impl<const N: usize> Transform<N> {
     }
 }
 
-/// Samples are stored as differences from 128. Blocks of one colour often lie at a half, which is rounded up, as libjpeg does: to the even
-/// neighbour it would be a bias.
+/// Offset of samples, which are stored as differences from 128. Blocks of one colour often lie at a half, which is rounded up, as by libjpeg:
+/// rounding to even would be a bias.
 const MIDDLE: f32 = 128.0 + 1.0 / 1024.0;
 
-/// To the next whole number of 0 to 255. Adding 1.5 · 2²³ leaves a whole number in the lowest bits of a float, which takes fewer steps than
+/// Rounds to the nearest integer, clamped to 0–255. Adding 1.5 · 2²³ leaves an integer in the lowest bits of a float, which takes fewer steps than
 /// `as u8`.
 #[inline(always)]
 pub(super) fn rounded(value: f32) -> u8 {
@@ -132,7 +132,7 @@ pub(super) fn rounded(value: f32) -> u8 {
     whole.clamp(0, 255) as u8
 }
 
-/// What one unit of each of the eight frequencies of a row adds to each of `n` samples, 1, 2, 4 or 8.
+/// Returns the contribution of one unit of each of a row's eight frequencies to each of `n` samples, 1, 2, 4 or 8.
 fn shares(n: usize) -> [[f32; 8]; 8] {
     let mut shares = [[0.0; 8]; 8];
     for (u, shares) in shares.iter_mut().enumerate().take(n) {
@@ -156,7 +156,7 @@ const C: [f32; 8] = [
     0.097_545_16,
 ];
 
-/// The transform of eight columns side by side: even and odd frequencies apart, whose sums and differences are the two halves of a column.
+/// Transforms eight columns in parallel: even and odd frequencies separately; their sums and differences are the two halves of a column.
 #[inline(always)]
 fn columns(rows: &mut [Lanes; 8]) {
     let s = *rows;
@@ -178,7 +178,7 @@ fn columns(rows: &mut [Lanes; 8]) {
     }
 }
 
-/// One number for each of eight columns.
+/// One number for each of eight columns (SIMD lanes).
 type Lanes = [f32; 8];
 
 #[inline(always)]

@@ -1,7 +1,7 @@
-//! JPEGs (ITU-T T.81): their data is read once into coefficients, of which pixels are made at the size and place that somebody needs.
+//! JPEG decoder (ITU-T T.81): the data is read once into coefficients, from which pixels are computed at the size and place needed.
 //!
-//! Sequential and progressive images of 8 bits with Huffman codes, as cameras write them. Why not a library: none keeps the coefficients
-//! small, and those that are fast fill what damaged data leaves open; see `docs/lessons/photos.md`.
+//! Supports sequential and progressive images of 8 bits with Huffman codes, as cameras write them. No library is used, since none keeps the
+//! coefficients compact, and the fast ones fill gaps of damaged data; see `docs/lessons/photos.md`.
 
 mod bits;
 mod coefficients;
@@ -20,12 +20,12 @@ pub(super) use frame::{Colours, Frame};
 pub(super) use read::Coefficients;
 pub use standard::standard_huffman_tables;
 
-/// Why there is no picture.
+/// Reason why there is no picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum JpegError {
     Truncated,
-    /// Why, as a clause.
+    /// Damage, as a clause.
     Damaged(&'static str),
-    /// Its coefficients do not fit the memory allowed.
+    /// The coefficients do not fit the memory allowed.
     TooManyValues,
 }

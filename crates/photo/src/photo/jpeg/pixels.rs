@@ -1,4 +1,4 @@
-//! Pixels of coefficients, at full size or reduced by 2, 4 or 8.
+//! Computation of pixels from coefficients, at full size or reduced by 2, 4 or 8.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use super::read::Coefficients;
 use super::upsample;
 
 impl Coefficients {
-    /// The first component upright, at 1/`reduction` of the size (1, 2, 4 or 8); a rest at the right and at the bottom is left out.
+    /// Returns the first component upright, at 1/`reduction` of the size (1, 2, 4 or 8); a remainder at the right and at the bottom is left out.
     pub(in crate::photo) fn luma(&self, reduction: u32, orientation: Orientation) -> GrayImage {
         let mut canvas = Canvas::new(orientation, self.size.map(|side| (side / reduction) as usize));
         self.rows(
@@ -28,7 +28,7 @@ impl Coefficients {
         GrayImage::from_raw(width as u32, height as u32, canvas.pixels).unwrap_or_default()
     }
 
-    /// The first component's pixels of an area of the upright image, at full size; `None` where it has fewer samples than pixels.
+    /// Returns the first component's pixels in an area of the upright image, at full size; `None` if it has fewer samples than pixels.
     pub(in crate::photo) fn luma_part(
         &self,
         start: [u32; 2],
@@ -40,7 +40,7 @@ impl Coefficients {
             return None;
         }
         let (swaps, from_end) = flips(orientation);
-        // The area as it is stored: in its order of axes, and counted from the stored image's first pixel.
+        // The area in the stored image: in its order of axes, counted from its first pixel.
         let swapped = |[a, b]: [usize; 2]| if swaps { [b, a] } else { [a, b] };
         let [start, size, image] = [start, size, self.size].map(|pair| pair.map(|v| v as usize));
         let upright = swapped(image);
@@ -65,7 +65,7 @@ impl Coefficients {
         GrayImage::from_raw(width as u32, height as u32, canvas.pixels)
     }
 
-    /// Colours upright, at 1/`reduction` of the size; a rest is left out.
+    /// Returns the colours upright, at 1/`reduction` of the size; a remainder is left out.
     pub(in crate::photo) fn rgb(&self, reduction: u32, orientation: Orientation) -> RgbImage {
         let mut canvas = Canvas::new(orientation, self.size.map(|side| (side / reduction) as usize));
         self.rows(
@@ -80,7 +80,7 @@ impl Coefficients {
         RgbImage::from_raw(width as u32, height as u32, canvas.pixels.into_flattened()).unwrap_or_default()
     }
 
-    /// Colours of the rows that are wanted, one after the other, at full size and as they are stored.
+    /// Returns the colours of the requested rows, one after the other, at full size and unrotated.
     pub(in crate::photo) fn rgb_rows(&self, wants: impl Fn(usize) -> bool) -> Vec<u8> {
         let mut pixels: Vec<[u8; 3]> = Vec::new();
         self.rows(&self.components, 1, wants, |_, width, rows| {
@@ -101,7 +101,7 @@ impl Coefficients {
         }
     }
 
-    /// Calls with the place of each row of the image that is wanted, its width, and a slice for each of the components.
+    /// Calls `with` for each requested row of the image: its index, its width, and a slice for each of the components.
     fn rows(
         &self,
         components: &[Component],
@@ -114,7 +114,7 @@ impl Coefficients {
         let plane = |component| Plane::new(component, self.most_sampling, 8 / reduction);
         let mut planes: Vec<Plane> = components.iter().map(plane).collect();
         for y in 0..height {
-            // The group of rows below is there too, since rows between two are made of both.
+            // The group of rows below is read too, since rows in between need both.
             if y.is_multiple_of(group_height) {
                 let group = y / group_height;
                 for plane in &mut planes {
@@ -133,15 +133,15 @@ impl Coefficients {
     }
 }
 
-/// An upright image that is filled by rows as they are stored.
+/// Upright image, filled by rows as they are stored.
 struct Canvas<P> {
     pixels: Vec<P>,
     upright: [usize; 2],
-    /// The place of the first stored pixel.
+    /// Index of the first stored pixel.
     start: isize,
-    /// From a stored pixel to the next one across and down.
+    /// Index steps from a stored pixel to the next one across and down.
     step: [isize; 2],
-    /// A stored row that is turned on its way.
+    /// Buffer for a stored row that must be rotated.
     row: Vec<P>,
 }
 
@@ -161,7 +161,7 @@ impl<P: Copy + Default> Canvas<P> {
         }
     }
 
-    /// Has a stored row made, in place where it is not turned.
+    /// Lets `make` write a stored row, in place if it is not rotated.
     fn fill(&mut self, y: usize, width: usize, make: impl FnOnce(&mut [P])) {
         let first = self.start + y as isize * self.step[1];
         if self.step[0] == 1 {
@@ -175,8 +175,8 @@ impl<P: Copy + Default> Canvas<P> {
     }
 }
 
-/// How a stored image is made upright, by EXIF (2.32, 4.6.4: Orientation): whether its sides are swapped, and then columns and rows counted
-/// from the right and from the bottom.
+/// Returns the flips that make a stored image upright, by EXIF (2.32, 4.6.4: Orientation): whether its sides are swapped, and then whether columns
+/// and rows count from the right and from the bottom.
 fn flips(orientation: Orientation) -> (bool, [bool; 2]) {
     match orientation {
         Orientation::NoTransforms => (false, [false, false]),
@@ -190,24 +190,24 @@ fn flips(orientation: Orientation) -> (bool, [bool; 2]) {
     }
 }
 
-/// One component's samples, of which three groups of rows are kept.
+/// Samples of one component; three groups of rows are kept.
 struct Plane<'a> {
     component: &'a Component,
     transform: Box<dyn Fill>,
-    /// Samples across and down of a block.
+    /// Number of samples across and down of a block.
     block: [usize; 2],
-    /// How many pixels of the image a sample covers across and down.
+    /// Number of the image's pixels per sample, across and down.
     enlarged: [usize; 2],
-    /// Samples that the image covers.
+    /// Number of samples that the image covers.
     size: [usize; 2],
-    /// Three groups of rows in turn.
+    /// Ring buffer of three groups of rows.
     kept: Vec<u8>,
     enlarged_row: Vec<u8>,
     sums: Vec<u16>,
 }
 
 impl<'a> Plane<'a> {
-    /// For pictures that make `n` pixels of the eight of a block. A component with fewer samples is reduced less, where that serves.
+    /// Creates the plane for `n` pixels per eight of a block. A component with fewer samples is reduced less, if possible.
     fn new(component: &'a Component, most_sampling: [u32; 2], n: u32) -> Plane<'a> {
         let mut block = [n as usize; 2];
         let mut enlarged = [0, 1].map(|i| (most_sampling[i] / component.sampling[i]).max(1) as usize);
@@ -244,12 +244,12 @@ impl<'a> Plane<'a> {
         self.component.blocks[0] * self.block[0]
     }
 
-    /// Rows of blocks in a group.
+    /// Returns the number of rows of blocks in a group.
     fn blocks_down(&self) -> usize {
         self.component.sampling[1] as usize
     }
 
-    /// Makes the samples of a group of rows, if there is such a group.
+    /// Computes the samples of a group of rows, if it exists.
     fn read(&mut self, group: usize) {
         let (down, stride) = (self.blocks_down(), self.stride());
         for row in 0..down {
@@ -264,13 +264,13 @@ impl<'a> Plane<'a> {
         }
     }
 
-    /// A row of the image, of samples that are kept.
+    /// Returns a row of the image, from samples that are kept.
     fn row(&mut self, y: usize) -> &[u8] {
         let ([width, height], [across, down]) = (self.size, self.enlarged);
         let (stride, rows) = (self.stride(), 3 * self.blocks_down() * self.block[1]);
         let row = |y: usize| &self.kept[y % rows * stride..][..width];
         let near = (y / down).min(height - 1);
-        // The row on the other side of the middle of the near one.
+        // The adjacent row on the side of this pixel row.
         let is_upper = y.is_multiple_of(down);
         let far = if is_upper {
             near.saturating_sub(1)
@@ -289,9 +289,9 @@ impl<'a> Plane<'a> {
     }
 }
 
-/// Makes samples, however many a block has.
+/// Computation of samples for any size of block.
 trait Fill {
-    /// The samples of neighbouring blocks, their rows one after the other.
+    /// Writes the samples of adjacent blocks, row by row.
     fn fill(&self, component: &Component, blocks: Range<usize>, to: &mut [u8]);
 }
 
@@ -312,7 +312,7 @@ scaleproof_core::by_avx2! {
     }
 }
 
-/// A width known to the compiler makes copies of a row single instructions.
+/// Fills rows with a width known at compile time, so that copies of a row are single instructions.
 #[inline(always)]
 fn fill_across<const N: usize, const ACROSS: usize>(
     transform: &Transform<N>,
@@ -338,5 +338,5 @@ fn fill_across<const N: usize, const ACROSS: usize>(
     }
 }
 
-/// Blocks whose samples are rounded in one loop, which the compiler makes vectors of.
+/// Number of blocks whose samples are rounded in one loop, which the compiler vectorises.
 const AT_ONCE: usize = 16;

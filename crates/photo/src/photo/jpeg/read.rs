@@ -1,4 +1,4 @@
-//! From the bytes of a file to coefficients.
+//! Reading of a file's bytes into coefficients.
 
 use super::JpegError;
 use super::coefficients::Component;
@@ -11,7 +11,7 @@ use super::standard;
 #[derive(Debug)]
 pub(in crate::photo) struct Coefficients {
     pub(super) size: [u32; 2],
-    /// The largest samplings across and down.
+    /// Largest sampling factors, horizontal and vertical.
     pub(super) most_sampling: [u32; 2],
     pub(super) colours: Colours,
     pub(super) components: Vec<Component>,
@@ -31,13 +31,13 @@ struct Tables {
     quantisation: [Option<[u16; 64]>; 4],
     dc: [Option<HuffmanTable>; 4],
     ac: [Option<HuffmanTable>; 4],
-    /// Whether any Huffman table was read.
+    /// True if any Huffman table was read.
     has_codes: bool,
     restart_interval: usize,
 }
 
 impl Coefficients {
-    /// Reads the data of a file whose header was read before; `most_bytes` may be held besides what its size alone demands.
+    /// Reads the data of a file whose header was read before; `most_bytes` may be used in addition to the memory implied by its size.
     pub(in crate::photo) fn read(bytes: &[u8], frame: &Frame, most_bytes: u64) -> Result<Coefficients, JpegError> {
         let most_sampling = frame.most_sampling();
         // A scan's header names the components behind their number.
@@ -48,13 +48,13 @@ impl Coefficients {
             colours: frame.colours,
             components: components(frame, is_sparse.then_some(bytes.len())),
         };
-        // Of each component: two bytes each, and twice as many while there is too little room.
+        // Per component: two bytes per value, and twice as many while the buffer grows.
         let most_values = usize::try_from(most_bytes / 6 / frame.components.len().max(1) as u64)
             .unwrap_or(usize::MAX)
             .min(u32::MAX as usize / 2);
         let mut tables = Tables::default();
         let mut is_read = vec![false; frame.components.len()];
-        // Of each component by place: how many of its lowest bits no scan has given yet.
+        // Per component and place: the number of its lowest bits that no scan has provided yet.
         let mut missing_bits = vec![[u32::MAX; 64]; frame.components.len()];
         for segment in Segments::new(bytes) {
             let Segment { marker, content, data } = segment?;
@@ -66,7 +66,7 @@ impl Coefficients {
                 }
                 START_OF_SCAN => {
                     if !frame.is_progressive && !tables.has_codes {
-                        // Motion JPEG leaves out the tables that all of its images share.
+                        // Motion JPEG omits the tables common to all of its images.
                         standard::tables()
                             .iter()
                             .try_for_each(|content| tables.read_codes(content))?;
@@ -96,7 +96,8 @@ impl Coefficients {
     }
 }
 
-/// Empty, each with a share of the room that data of so many bytes takes: a value of two bytes takes four bits at least, but for few.
+/// Returns empty components with room estimated from the file's bytes, divided by their number of samples: a value of two bytes mostly takes four
+/// bits or more of data.
 fn components(frame: &Frame, bytes: Option<usize>) -> Vec<Component> {
     let most = frame.most_sampling();
     let groups = groups(frame);
@@ -116,7 +117,7 @@ fn groups(frame: &Frame) -> [usize; 2] {
 }
 
 impl Tables {
-    /// DQT (B.2.4.1).
+    /// Reads quantization tables: DQT (B.2.4.1).
     fn read_quantisation(&mut self, mut content: &[u8]) -> Result<(), JpegError> {
         while let Some((head, rest)) = content.split_first() {
             let bytes = if head >> 4 == 0 { 64 } else { 128 };
@@ -131,7 +132,7 @@ impl Tables {
         Ok(())
     }
 
-    /// DHT (B.2.4.2).
+    /// Reads Huffman tables: DHT (B.2.4.2).
     fn read_codes(&mut self, mut content: &[u8]) -> Result<(), JpegError> {
         while let Some((head, rest)) = content.split_first() {
             let counts: &[u8; 16] = rest.first_chunk().ok_or(SHORT)?;
@@ -146,7 +147,7 @@ impl Tables {
         Ok(())
     }
 
-    /// SOS (B.2.3).
+    /// Reads a scan's header: SOS (B.2.3).
     fn scan(&self, content: &[u8], frame: &Frame, most_values: usize) -> Result<Scan<'_>, JpegError> {
         let count = usize::from(*content.first().ok_or(SHORT)?);
         let listed = content.get(1..1 + 2 * count).ok_or(SHORT)?;

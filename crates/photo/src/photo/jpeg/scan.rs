@@ -1,7 +1,7 @@
-//! The entropy-coded data of a scan into coefficients (ITU-T T.81, annexes F and G, Huffman codes).
+//! Decoding of a scan's entropy-coded data into coefficients (ITU-T T.81, annexes F and G, Huffman codes).
 //!
-//! What cannot be right is refused: codes that the tables do not have, data that ends early or goes on behind the last block, restart markers
-//! out of their order, brightness that no picture has.
+//! Invalid data is refused: codes that are in no table, data that ends early or continues after the last block, restart markers out of order, DC
+//! values that no picture has.
 
 use super::JpegError;
 use super::bits::Bits;
@@ -9,26 +9,26 @@ use super::coefficients::Component;
 use super::huffman::{Coefficient, HuffmanTable, LARGEST_SIZE};
 use super::segments::Intervals;
 
-/// What a scan's header says, with the tables that were defined before it.
+/// Header of a scan, with the tables defined before it.
 pub(super) struct Scan<'a> {
     pub components: Vec<ScanComponent<'a>>,
-    /// Groups between restart markers; 0 without.
+    /// Number of groups between restart markers; 0 without.
     pub restart_interval: usize,
-    /// Groups across and down when the scan has several components.
+    /// Number of groups across and down if the scan has several components.
     pub groups: [usize; 2],
     pub part: Part,
-    /// Most entries that a component may keep.
+    /// Maximum number of entries of a component.
     pub most_values: usize,
 }
 
-/// Which of the frame's components, with the Huffman tables of its DC and AC coefficients.
+/// Index of the frame's component, with the Huffman tables of its DC and AC coefficients.
 pub(super) type ScanComponent<'a> = (usize, Option<&'a HuffmanTable>, Option<&'a HuffmanTable>);
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Part {
-    /// All of it.
+    /// Complete coefficients.
     Whole,
-    /// Of a progressive frame: the places from `first` to `last` without their `low` lowest bits; or one bit more of what earlier scans gave.
+    /// Part of a progressive frame: the places from `first` to `last` without their `low` lowest bits; or one more bit of values from earlier scans.
     Progressive {
         first: usize,
         last: usize,
@@ -38,7 +38,7 @@ pub(super) enum Part {
 }
 
 impl Part {
-    /// Which places of a block the scan gives, and how many of their lowest bits it leaves for later scans.
+    /// Returns the places of a block that the scan provides, and the number of lowest bits left for later scans.
     pub(super) fn places(self) -> (std::ops::RangeInclusive<usize>, u32) {
         match self {
             Part::Whole => (0..=63, 0),
@@ -47,7 +47,7 @@ impl Part {
     }
 }
 
-/// Some cameras leave so many bytes behind the last code.
+/// Maximum number of bytes after the last code; some cameras leave as many.
 const PADDING: i64 = 8;
 
 const NO_CODE: JpegError = JpegError::Damaged("its data has a code that is in no table");
@@ -61,7 +61,7 @@ pub(super) fn decode(scan: &Scan, data: &[u8], components: &mut [Component]) -> 
     let mut intervals = Intervals::new(data);
     let mut bytes = Vec::new();
     let [across, down] = match scan.components[..] {
-        // A scan of one component has groups of one block, and none that the image does not cover.
+        // A scan of one component has groups of one block, and none outside the image.
         [(component, ..)] => components[component].size.map(|side| side.div_ceil(8)),
         _ => scan.groups,
     };
@@ -96,16 +96,16 @@ pub(super) fn decode(scan: &Scan, data: &[u8], components: &mut [Component]) -> 
     Ok(())
 }
 
-/// What is carried from block to block within an interval.
+/// Decoder state carried from block to block within a restart interval.
 struct State<'a> {
     bits: Bits<'a>,
     last_dc: [i32; 4],
-    /// Blocks that still have nothing new.
+    /// Number of following blocks without new values.
     empty_blocks: u32,
 }
 
 impl State<'_> {
-    /// A group: the blocks of all components that cover the same pixels.
+    /// Decodes a group: the blocks of all components that cover the same pixels.
     fn group(&mut self, scan: &Scan, [x, y]: [usize; 2], components: &mut [Component]) -> Result<(), JpegError> {
         let is_one = scan.components.len() == 1;
         for (nth, (index, dc_table, table)) in scan.components.iter().enumerate() {
@@ -150,7 +150,7 @@ impl State<'_> {
         Ok(())
     }
 
-    /// The DC coefficient of the next block, as a difference from the one before (F.2.2.1).
+    /// Decodes the DC coefficient of the next block, a difference from the one before (F.2.2.1).
     #[inline(always)]
     fn dc(&mut self, nth: usize, table: &HuffmanTable) -> Result<i16, JpegError> {
         match table.coefficient(&mut self.bits) {
@@ -158,14 +158,14 @@ impl State<'_> {
             Coefficient::None(0) => {}
             _ => return Err(NO_CODE),
         }
-        // Samples of 8 bits have DC coefficients up to 1024; what goes far beyond comes of damage.
+        // Samples of 8 bits have DC coefficients up to 1024; far larger ones come from damage.
         match self.last_dc[nth] {
             mean @ -2048..=2047 => Ok(mean as i16),
             _ => Err(NO_PICTURE),
         }
     }
 
-    /// A block of a sequential frame (F.2.2.2).
+    /// Decodes a block of a sequential frame (F.2.2.2).
     #[inline(always)]
     fn whole(
         &mut self,
@@ -198,7 +198,7 @@ impl State<'_> {
         Ok(())
     }
 
-    /// The first scan of some places of a block (G.1.2.2).
+    /// Decodes the first scan of some places of a block (G.1.2.2).
     fn first(&mut self, first: usize, low: u32, table: &HuffmanTable, values: &mut [i16]) -> Result<(), JpegError> {
         if self.empty_blocks > 0 {
             self.empty_blocks -= 1;
@@ -223,7 +223,7 @@ impl State<'_> {
         Ok(())
     }
 
-    /// One bit more of some places of a block (G.1.2.3).
+    /// Decodes one more bit of some places of a block (G.1.2.3).
     fn refine(&mut self, first: usize, low: u32, table: &HuffmanTable, values: &mut [i16]) -> Result<(), JpegError> {
         let (bits, mut place) = (&mut self.bits, first);
         while self.empty_blocks == 0 && place < values.len() {
@@ -239,7 +239,7 @@ impl State<'_> {
                 (1, _) => -1 << low,
                 _ => return Err(NO_CODE),
             };
-            // Values that are known already get their bit on the way, and do not count as zeros.
+            // Non-zero values get their bit when passed, and do not count as zeros.
             while let Some(value) = values.get_mut(place) {
                 place += 1;
                 if *value != 0 {
@@ -264,13 +264,13 @@ impl State<'_> {
     }
 }
 
-/// For how many blocks, this one included, nothing new follows.
+/// Reads the number of blocks, this one included, without further new values.
 fn end_of_blocks(size: u32, bits: &mut Bits) -> u32 {
     bits.load();
     (1 << size) + bits.take(size)
 }
 
-/// The next bit of a value's size.
+/// Reads the next bit of a value's magnitude.
 fn refine(value: &mut i16, low: u32, bits: &mut Bits) {
     if bits.bit() {
         *value = value.saturating_add(value.signum() << low);

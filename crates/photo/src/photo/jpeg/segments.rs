@@ -2,36 +2,36 @@
 
 use super::JpegError;
 
-/// A marker with what follows it.
+/// Marker with its content.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Segment<'a> {
     pub marker: u8,
-    /// Behind the length.
+    /// Content after the length.
     pub content: &'a [u8],
-    /// The entropy-coded data behind the header of a scan, restart markers included; empty for other segments.
+    /// Entropy-coded data after the header of a scan, restart markers included; empty for other segments.
     pub data: &'a [u8],
 }
 
 pub(super) const START_OF_SCAN: u8 = 0xDA;
 const END_OF_IMAGE: u8 = 0xD9;
 const RESTARTS: std::ops::RangeInclusive<u8> = 0xD0..=0xD7;
-/// TEM, which has no segment either.
+/// TEM, which has no content either.
 const TEMPORARY: u8 = 0x01;
 
-/// The segments up to the end-of-image marker, or to the end of the bytes behind a scan's data; an error where they end in a header.
+/// Iterator over the segments up to the end-of-image marker, or to the end of the bytes after a scan's data; an error if they end in a header.
 ///
-/// Segments are skipped by their length, so the thumbnail inside the EXIF segment cannot be taken for the end; bytes after the end (motion
-/// photos, depth maps) do not matter.
+/// Segments are skipped by their length, so the thumbnail inside the EXIF segment cannot be mistaken for the end; bytes after the end (motion photos,
+/// depth maps) are ignored.
 pub(super) struct Segments<'a> {
     bytes: &'a [u8],
     at: usize,
-    /// The data of a scan reaches the end of the bytes, and no end-of-image marker follows.
+    /// True if the data of a scan reaches the end of the bytes without an end-of-image marker.
     pub lacks_end: bool,
 }
 
 impl<'a> Segments<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Segments<'a> {
-        // Behind the start-of-image marker.
+        // After the start-of-image marker.
         Segments {
             bytes,
             at: 2,
@@ -39,7 +39,7 @@ impl<'a> Segments<'a> {
         }
     }
 
-    /// The next segment; nothing at the end of the image, and no step at the end of the bytes.
+    /// Returns the next segment; `Some(None)` at the end of the image, `None` at the end of the bytes.
     fn step(&mut self) -> Option<Option<Segment<'a>>> {
         if self.lacks_end {
             return Some(None);
@@ -61,7 +61,7 @@ impl<'a> Segments<'a> {
             self.at = end;
             let mut data: &[u8] = &[];
             if marker == START_OF_SCAN {
-                // At the next marker that is no restart marker.
+                // The data ends at the next marker other than a restart marker.
                 let ends = |second: u8| !matches!(second, 0x00 | 0xFF) && !RESTARTS.contains(&second);
                 let marker_at = find_pair(self.bytes, end, ends);
                 self.lacks_end = marker_at.is_none();
@@ -81,7 +81,7 @@ impl<'a> Iterator for Segments<'a> {
     }
 }
 
-/// The next 0xFF whose successor is as requested.
+/// Returns the index of the next 0xFF whose successor satisfies `is_second`.
 fn find_pair(bytes: &[u8], from: usize, is_second: impl Fn(u8) -> bool) -> Option<usize> {
     let mut at = from;
     loop {
@@ -93,10 +93,10 @@ fn find_pair(bytes: &[u8], from: usize, is_second: impl Fn(u8) -> bool) -> Optio
     }
 }
 
-/// Splits entropy-coded data at its restart markers. Stuffed zeros are taken out of each interval.
+/// Iterator over the intervals of entropy-coded data between restart markers, without stuffed zeros.
 pub(super) struct Intervals<'a> {
     rest: &'a [u8],
-    /// The number of the next restart marker, 0 to 7.
+    /// Number of the next restart marker, 0 to 7.
     next: u8,
 }
 
@@ -105,12 +105,12 @@ impl<'a> Intervals<'a> {
         Intervals { rest: data, next: 0 }
     }
 
-    /// Whether another interval follows.
+    /// Returns true if no interval follows.
     pub(super) fn is_over(&self) -> bool {
         self.rest.is_empty()
     }
 
-    /// Fills `interval` with the bytes up to the next restart marker; false when that marker is out of its order.
+    /// Fills `interval` with the bytes up to the next restart marker; returns false if that marker is out of order.
     pub(super) fn read(&mut self, interval: &mut Vec<u8>) -> bool {
         interval.clear();
         loop {

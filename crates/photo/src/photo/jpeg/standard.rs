@@ -1,12 +1,11 @@
-//! The Huffman tables of ITU-T T.81, annex K.3, which the images of motion JPEG leave out.
+//! Huffman tables of ITU-T T.81, annex K.3, which images of motion JPEG omit.
 
-/// Contents of four DHT segments (B.2.4.2): class and number, how many codes each length of 1 to 16 bits has, and the symbols.
+/// Returns the contents of four DHT segments (B.2.4.2): class and number, the number of codes of each length of 1 to 16 bits, and the symbols.
 pub(super) fn tables() -> [&'static [u8]; 4] {
     [&DC_LUMA, &DC_CHROMA, &AC_LUMA, &AC_CHROMA]
 }
 
-/// The standard's four Huffman tables as segments of a JPEG file: what is to be put before the scan of an image of motion JPEG, for programs
-/// that read no file without tables.
+/// Returns the standard's four Huffman tables as segments to insert before the scan of a motion JPEG image, for programs that require tables.
 pub fn standard_huffman_tables() -> Vec<u8> {
     let segment = |content: &[u8]| [&[0xFF, 0xC4], &(content.len() as u16 + 2).to_be_bytes()[..], content].concat();
     tables().into_iter().flat_map(segment).collect()

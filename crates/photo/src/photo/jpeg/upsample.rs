@@ -1,9 +1,9 @@
-//! Enlarging differences of colour by two: a pixel takes three quarters of the sample that it lies in and one of the next one.
+//! Chroma upsampling by two: a pixel is three quarters of the sample that contains it plus one quarter of the adjacent one.
 //!
-//! It is what libjpeg calls "fancy" upsampling: the centre of a pixel lies a quarter of a sample off the sample's own. Halves are rounded up
-//! and down by turns, so that the mean stays.
+//! This is libjpeg's "fancy" upsampling: the centre of a pixel is a quarter of a sample off the sample's own. Halves are rounded up and down
+//! alternately, so that the mean is unbiased.
 
-/// Twice as wide.
+/// Doubles the width.
 pub(super) fn across(from: &[u8], to: &mut [u8]) {
     let last = from.len() - 1;
     to[0] = from[0];
@@ -15,7 +15,7 @@ pub(super) fn across(from: &[u8], to: &mut [u8]) {
     }
 }
 
-/// Twice as high: the upper or the lower of the two rows that lie in the near one.
+/// Doubles the height: returns the upper or the lower of the two rows inside the near one.
 pub(super) fn down([near, far]: [&[u8]; 2], is_upper: bool, to: &mut [u8]) {
     let half = if is_upper { 1 } else { 2 };
     for ((to, near), far) in to.iter_mut().zip(near).zip(far) {
@@ -23,7 +23,7 @@ pub(super) fn down([near, far]: [&[u8]; 2], is_upper: bool, to: &mut [u8]) {
     }
 }
 
-/// Twice as wide and high.
+/// Doubles width and height.
 pub(super) fn both([near, far]: [&[u8]; 2], sums: &mut Vec<u16>, to: &mut [u8]) {
     sums.clear();
     sums.extend(
@@ -40,7 +40,7 @@ pub(super) fn both([near, far]: [&[u8]; 2], sums: &mut Vec<u16>, to: &mut [u8]) 
     }
 }
 
-/// Each sample so many times.
+/// Repeats each sample `times` times.
 pub(super) fn repeated(from: &[u8], times: usize, to: &mut [u8]) {
     for (to, from) in to.chunks_exact_mut(times).zip(from) {
         to.fill(*from);

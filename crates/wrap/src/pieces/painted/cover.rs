@@ -1,4 +1,4 @@
-//! The first page: how to paint the model, the paints in the order they are sprayed, and the model in them.
+//! First page: instructions for painting the model, the paints in the order of spraying, and views of the painted model.
 
 use super::{PaintedPieces, PaintedRequest};
 use crate::pieces::exploded;
@@ -68,7 +68,7 @@ fn steps(request: &PaintedRequest) -> Vec<String> {
     steps
 }
 
-/// The paints in columns, and where they end.
+/// Draws the paints in columns; returns the marks and their lower end.
 fn order(made: &PaintedPieces, room: RectMm) -> (Vec<Mark>, f64) {
     let columns = ((room.width_mm() / COLUMN_MM) as usize).max(1);
     let rows = made.painted.paints.len().div_ceil(columns).max(1);

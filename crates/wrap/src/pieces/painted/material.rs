@@ -1,5 +1,5 @@
-//! The sheet of material that a piece's stencils are cut from: the piece and a rim around it, with registration holes. Where the piece is
-//! cut into itself, the rim leaves the cut free, so that it closes on the model.
+//! Sheet of material for a piece's stencils: the piece and a rim around it, with registration holes. The rim leaves slits of the piece free, so that
+//! they close on the model.
 
 use super::regions::Upright;
 use crate::pieces::flat::Piece;
@@ -11,30 +11,30 @@ use scaleproof_print::print::paint::{hole_mm, rim_mm};
 use scaleproof_print::print::sheet::sides;
 use scaleproof_print::print::wrap::{Contour, Point, Region};
 
-/// Holes of a piece, and how far apart they are at least.
+/// Number of holes of a piece, and their minimum distance.
 const HOLES: usize = 4;
 const APART_MM: f64 = 12.0;
-/// Between places that are tried for a hole.
+/// Distance between candidate positions for a hole.
 const STEP_MM: f64 = 1.5;
-/// Half the room of the sign that names the paint.
+/// Radius of the sign that names the paint.
 pub const TAG_MM: f64 = 2.3;
-/// Between holes and signs.
+/// Gap between holes and signs.
 const CLEAR_MM: f64 = 0.4;
-/// A cut of a piece into itself is closed where its sides are this near.
+/// Distance of a slit's sides at which it is closed.
 const CLOSED_MM: f64 = 0.05;
 
-/// What all stencils of a piece have in common.
+/// Parts common to all stencils of a piece.
 #[derive(Debug, Clone)]
 pub struct Material {
-    /// The sheet before anything is cut from it, turned upright.
+    /// Uncut sheet, turned upright.
     pub sheet: Area,
-    /// The middles of the registration holes, in the piece's plane.
+    /// Centres of the registration holes, in the piece's plane.
     pub holes: Vec<Point>,
     pub tag: Option<Point>,
 }
 
-/// The sheet of one piece for features of a least width. `slit`: the rim leaves its cuts into itself free, as far as the sheet stays in one part that nowhere is
-/// narrower than the features.
+/// Returns the sheet of one piece for features of a minimum width. `slit`: the rim leaves the piece's slits free, if the sheet then stays in one part
+/// that is nowhere narrower than the features.
 pub fn sheet(
     (piece, pieces): (usize, &[Piece]),
     seams: &[Seam],
@@ -43,7 +43,7 @@ pub fn sheet(
     slit: bool,
 ) -> Area {
     let region = upright.area(&pieces[piece].region);
-    // What is between two parts of the rim is at least this wide, or filled.
+    // Gaps between two parts of the rim are at least this wide, or filled.
     let (closed, rim_mm) = (units(2.0 * feature_mm), rim_mm(feature_mm));
     let whole = region.grown(units(rim_mm) + closed).shrunk(closed);
     let own = seams.iter().filter(|seam| seam.pieces() == [piece; 2]);
@@ -53,14 +53,14 @@ pub fn sheet(
     }
     let slits = upright.area(&Region::union(slits).without(&pieces[piece].region));
     let mut open = whole.without(&slits);
-    // A scrap of the rim that hangs on nothing goes with the slit.
+    // A part of the rim without connection to the piece is removed with the slit.
     open.pieces
         .retain(|part| !Area::from_piece(part).and(&region).is_empty());
     let is_one = open.shrunk(units(0.5 * feature_mm)).pieces.len() == 1;
     if is_one { open } else { whole }
 }
 
-/// What lies between the two sides of a seam of a piece with itself, and on beyond where it opens.
+/// Returns the area between the two sides of a seam of a piece with itself, extended beyond its open end.
 fn gap(seam: &Seam, pieces: &[Piece], beyond_mm: f64) -> Vec<Contour> {
     let sides = |i: usize| {
         let edge = seam.edges.get(i)?;
@@ -83,7 +83,7 @@ fn gap(seam: &Seam, pieces: &[Piece], beyond_mm: f64) -> Vec<Contour> {
 }
 
 impl Material {
-    /// Finds places for holes and the paint's sign in the rim, clear of the other signs.
+    /// Places holes and the paint's sign in the rim, clear of the other signs.
     pub fn new(sheet: Area, piece: &Piece, signs: &Signs, upright: &Upright, feature_mm: f64) -> Self {
         let middle = piece.region.grown(0.5 * rim_mm(feature_mm));
         let around: Vec<Point> = middle.contours().flat_map(along).collect();
@@ -119,7 +119,7 @@ fn along(outline: &Contour) -> Vec<Point> {
     sides(outline).flat_map(places).collect()
 }
 
-/// A few places far from each other.
+/// Returns a few positions far from each other.
 fn spread(places: &[Point]) -> Vec<Point> {
     let corner = |a: &&Point, b: &&Point| (a[0] + a[1]).total_cmp(&(b[0] + b[1]));
     let mut chosen: Vec<Point> = places.iter().min_by(corner).copied().into_iter().collect();

@@ -1,7 +1,7 @@
-//! A model in paint: for every piece a stencil of each paint but the one that is sprayed first, and its cells to paint by number.
+//! Painting of a model: for every piece a stencil of each paint except the one sprayed first, and its cells to paint by number.
 //!
-//! All stencils of a piece lie at one place of their sheets and are cut from one [`material`], so that its registration holes coincide. The
-//! [`regions`] of the paints are exact: the pattern's cells, cut at each triangle and laid flat with it.
+//! All stencils of a piece are at one place of their sheets and are cut from one [`material`], so that its registration holes coincide. The
+//! [`regions`] of the paints are exact: the pattern's cells, clipped to each triangle and flattened with it.
 
 mod cover;
 mod material;
@@ -36,12 +36,12 @@ use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::palette::Painted;
 use scaleproof_surface::texture::Tile;
 
-/// Smaller patches than this are rounding, mm².
+/// Area below which patches are rounding, mm².
 const NOTHING_MM2: f64 = 0.01;
-/// Beyond the rim: the line that is cut along.
+/// Room beyond the rim for the cutting line.
 const BEYOND_RIM_MM: f64 = 2.0;
 
-/// Why no painted pieces were printed.
+/// Reason why no painted pieces were printed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PaintedError {
     #[error(transparent)]
@@ -50,13 +50,13 @@ pub enum PaintedError {
     Paint(#[from] PaintError),
 }
 
-/// What to print. Tabs, resolution and bleed of the pieces have no meaning.
+/// Settings of painted pieces. Tabs, resolution and bleed of the pieces are ignored.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PaintedRequest {
     pub pieces: PiecesRequest,
-    /// The least width of bridges and openings.
+    /// Minimum width of bridges and openings.
     pub min_feature_mm: f64,
-    /// Stencils as seen from their back.
+    /// True to mirror the stencils, as seen from their back.
     pub mirror: bool,
 }
 
@@ -70,11 +70,11 @@ impl PaintedRequest {
     }
 }
 
-/// What is cut for a paint from a piece's material, turned upright.
+/// Cuts for a paint in a piece's material, turned upright.
 #[derive(Debug, Clone)]
 pub struct PieceStencil {
     pub piece: usize,
-    /// From 0, in the order of spraying.
+    /// Index of the paint, from 0 in the order of spraying.
     pub paint: usize,
     pub openings: Area,
     pub bridges: Area,
@@ -85,21 +85,21 @@ pub struct PaintedPieces {
     pub pieces: Vec<Piece>,
     pub places: Vec<Place>,
     pub frame: PageFrame,
-    /// In the order of spraying: the largest first.
+    /// Paints in the order of spraying: the largest first.
     pub painted: Painted,
-    /// Of each paint, on paper. The first has no stencil.
+    /// Areas of each paint, on paper. The first has no stencil.
     pub areas: Vec<PaintArea>,
     pub regions: Vec<PaintedPiece>,
     pub materials: Vec<Material>,
-    /// Those with an opening, paint by paint.
+    /// Stencils with an opening, paint by paint.
     pub stencils: Vec<PieceStencil>,
-    /// Parts of a paint's area that are too narrow to be cut: how many, and their area, mm².
+    /// Number and area, mm², of parts of a paint's area that are too narrow to be cut.
     pub narrow: (usize, f64),
     pub flat: Unwrapped,
     pub min_feature_mm: f64,
-    /// How to paint, the legend, the sheets to paint by number, then the stencils paint by paint. Drawn as the printer needs it.
+    /// Instructions, the legend, the sheets to paint by number, then the stencils paint by paint; corrected for the printer.
     pub pages: Vec<Sheet>,
-    /// A name for each page, where it becomes a file of its own.
+    /// Name of each page, used if it becomes a file of its own.
     pub names: Vec<String>,
 }
 
@@ -108,7 +108,7 @@ impl PaintedPieces {
         pages::sheets(&self.places)
     }
 
-    /// One sentence a fact.
+    /// Returns the facts, one per sentence.
     pub fn facts(&self) -> Vec<String> {
         let mut facts = vec![
             format!(
@@ -144,8 +144,7 @@ impl PaintedPieces {
     }
 }
 
-/// Cuts the paint of some materials of a mesh into pieces that fit on the paper with the rims of their stencils, as
-/// [`super::flattened`] does.
+/// Cuts the paint of some materials of a mesh into pieces that fit on the paper with the rims of their stencils, as [`super::flattened`] does.
 pub fn flattened(
     surface: (&Mesh, &[usize]),
     tile: &Tile,
@@ -217,7 +216,7 @@ pub fn painted_pieces(
     Ok(made)
 }
 
-/// The paints with the largest first, and what each takes of the pieces in the same order.
+/// Sorts the paints by area, the largest first, with their areas of the pieces in the same order.
 fn in_order(painted: &Painted, mut regions: Vec<PaintedPiece>) -> (Painted, Vec<PaintedPiece>) {
     let doubled = |paint: usize| regions.iter().map(|r| r.areas[paint].doubled_area()).sum::<i128>();
     let sums: Vec<i128> = (0..painted.paints.len()).map(doubled).collect();
@@ -229,7 +228,7 @@ fn in_order(painted: &Painted, mut regions: Vec<PaintedPiece>) -> (Painted, Vec<
     (painted.in_order(&order), regions)
 }
 
-/// The material of a piece, and what is cut from it for each paint but the first.
+/// Returns the material of a piece, and the stencils cut from it for each paint except the first.
 fn cut(
     (piece, pieces): (usize, &[Piece]),
     seams: &[Seam],
@@ -256,7 +255,7 @@ fn cut(
     if slit == whole {
         return Ok((slit, made?));
     }
-    // What holds together beside a slit is not enough everywhere; then the rim stays whole.
+    // A slit sheet can fall apart when openings are cut; then the rim stays whole.
     let is_one = |stencil: &PieceStencil| slit.without(&stencil.openings).pieces.len() == slit.pieces.len();
     if let Ok(made) = made
         && made.iter().all(is_one)
@@ -266,7 +265,7 @@ fn cut(
     all_from(&whole).map(|made| (whole, made))
 }
 
-/// What rulers and captions take of a page; where stencils are mirrored on it, on both sides.
+/// Returns the areas of a page taken by rulers and captions; on both sides if stencils are mirrored.
 fn taken(frame: &PageFrame, mirror: bool) -> Vec<RectMm> {
     let mut taken = pages::furniture(frame);
     if mirror {
@@ -291,7 +290,7 @@ fn areas(regions: &[PaintedPiece], cuts: &[Vec<PieceStencil>], paints: usize) ->
     areas
 }
 
-/// Parts of a paint's area of which nothing is cut: how many, and their area.
+/// Returns number and area of the parts of a paint's area from which nothing is cut.
 fn narrow(regions: &[PaintedPiece], cuts: &[Vec<PieceStencil>]) -> (usize, f64) {
     let key = |part: &Vec<PlaneOutline>| {
         let part = Area::from_piece(part);

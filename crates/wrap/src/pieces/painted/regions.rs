@@ -1,4 +1,4 @@
-//! What each paint takes of a piece: the cells of a world-aligned pattern, cut at every triangle and laid flat with it.
+//! Areas of each paint on a piece: the cells of a world-aligned pattern, clipped to every triangle and flattened with it.
 
 use crate::pieces::flat::Piece;
 use scaleproof_core::geometry::{between as mix, distance, extent, to_segment};
@@ -10,34 +10,34 @@ use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::palette::Painted;
 use scaleproof_surface::texture::{SurfacePoint, Tile};
 
-/// Parts of triangles are rounded, each by itself; what is nearer than this is joined. Units: 0.4 µm.
+/// Distance below which separately rounded parts of triangles are joined. Units: 0.4 µm.
 const JOINED: i32 = 4;
-/// Corners that lie this near to a straight line are left out: 10 µm.
+/// Distance from a straight line below which corners are left out: 10 µm.
 const STRAIGHT: f64 = 100.0;
-/// Smaller areas are rounding, mm².
+/// Area below which parts are rounding, mm².
 const NOTHING_MM2: f64 = 0.002;
 
-/// A turn about the origin of a piece's plane that lays most cells upright.
+/// Rotation about the origin of a piece's plane that turns most cells upright.
 #[derive(Debug, Clone, Copy)]
 pub struct Upright {
-    /// Cosine and sine.
+    /// Cosine and sine of the angle.
     turn: Point,
 }
 
 impl Upright {
-    /// A place of the piece's plane, turned, in units.
+    /// Rotates a point of the piece's plane, and converts it to units.
     pub fn units(&self, [x, y]: Point) -> PlanePoint {
         let [c, s] = self.turn;
         PlanePoint::new(units(c * x - s * y), units(s * x + c * y))
     }
 
-    /// A turned place, in the piece's plane.
+    /// Rotates a point back to the piece's plane.
     pub fn back(&self, [x, y]: Point) -> Point {
         let [c, s] = self.turn;
         [c * x + s * y, c * y - s * x]
     }
 
-    /// A region of the piece's plane, turned.
+    /// Rotates a region of the piece's plane.
     pub fn area(&self, region: &Region) -> Area {
         let outline = |contour: &Contour| contour.iter().map(|p| self.units(*p)).collect();
         let outlines: Vec<PlaneOutline> = region.contours().map(outline).collect();
@@ -48,11 +48,11 @@ impl Upright {
 #[derive(Debug, Clone)]
 pub struct PaintedPiece {
     pub upright: Upright,
-    /// Of each paint, turned upright. They share borders and nothing else.
+    /// Area of each paint, turned upright. They share only borders.
     pub areas: Vec<Area>,
 }
 
-/// A corner of a part of a triangle: in the pattern's plane, in cells, rows counted downwards; and on paper.
+/// Corner of a part of a triangle: in the pattern's plane, in cells, rows counted downwards; and on paper.
 #[derive(Debug, Clone, Copy)]
 struct Corner {
     cell: Point,
@@ -95,8 +95,8 @@ fn corners(mesh: &Mesh, tile: &Tile, flat: &FlatTriangle) -> [Corner; 3] {
     })
 }
 
-/// The turn that lays the rows of cells along x or y, in the mean over all triangles by area. A quarter turn changes nothing, so that
-/// four times the angle is what is averaged.
+/// Returns the rotation that aligns the rows of cells with x or y, averaged over all triangles by area. Quarter turns are equivalent, so four times
+/// the angle is averaged.
 fn turn(laid: &[[Corner; 3]]) -> Point {
     let mut sum = [0.0; 2];
     for [a, b, c] in laid {
@@ -104,7 +104,7 @@ fn turn(laid: &[[Corner; 3]]) -> Point {
         let (cell, flat) = (|p: &Corner| p.cell, |p: &Corner| p.flat);
         let ([du, dv], [eu, ev]) = (step(b, cell), step(c, cell));
         let (d, e) = (step(b, flat), step(c, flat));
-        // The way on paper of one step along the rows, but for its length.
+        // Direction on paper of one step along the rows, not normalised.
         let whole = du * ev - dv * eu;
         let along = [0, 1].map(|axis| (ev * d[axis] - dv * e[axis]) * whole.signum());
         let area = (d[0] * e[1] - d[1] * e[0]).abs();
@@ -115,20 +115,20 @@ fn turn(laid: &[[Corner; 3]]) -> Point {
     [angle.cos(), angle.sin()]
 }
 
-/// The rows (axis 1) or columns (0) that an outline reaches into.
+/// Returns the rows (axis 1) or columns (0) that an outline reaches into.
 fn cells(outline: &[Corner], axis: usize) -> impl Iterator<Item = f64> + use<> {
     let (low, high) = extent(outline.iter().map(|corner| corner.cell[axis]));
     let (first, end) = (low.floor(), high.ceil());
-    // Of no corner there are none: minus infinity becomes 0.
+    // An outline without corners has none: minus infinity becomes 0.
     (0..(end - first) as usize).map(move |i| first + i as f64)
 }
 
-/// The part of a convex outline in one row or column.
+/// Clips a convex outline to one row or column.
 fn between(outline: &[Corner], axis: usize, first: f64) -> Vec<Corner> {
     cut(&cut(outline, axis, first, 1.0), axis, first + 1.0, -1.0)
 }
 
-/// The part of a convex outline on one side of a line (Sutherland & Hodgman 1974).
+/// Clips a convex outline to one side of a line (Sutherland & Hodgman 1974).
 fn cut(outline: &[Corner], axis: usize, limit: f64, sign: f64) -> Vec<Corner> {
     let inside_by = |corner: &Corner| sign * (corner.cell[axis] - limit);
     let mut kept = Vec::with_capacity(outline.len() + 1);
@@ -148,7 +148,7 @@ fn cut(outline: &[Corner], axis: usize, limit: f64, sign: f64) -> Vec<Corner> {
     kept
 }
 
-/// A part of a triangle on paper, counter-clockwise; `None` of nothing.
+/// Returns a part of a triangle on paper, counter-clockwise; `None` if it is empty.
 fn outline(part: &[Corner], upright: &Upright) -> Option<PlaneOutline> {
     let mut outline: PlaneOutline = part.iter().map(|corner| upright.units(corner.flat)).collect();
     let cross =
@@ -160,7 +160,7 @@ fn outline(part: &[Corner], upright: &Upright) -> Option<PlaneOutline> {
     (doubled != 0).then_some(outline)
 }
 
-/// The union of parts without the slits that rounding left between them.
+/// Returns the union of parts without the slits that rounding left between them.
 fn joined(parts: &[PlaneOutline]) -> Area {
     let grown = Area::of(parts).grown(JOINED);
     let mut area = grown.shrunk(JOINED);
@@ -168,13 +168,13 @@ fn joined(parts: &[PlaneOutline]) -> Area {
     area
 }
 
-/// An area with fewer corners: its outlines are [`straightened`].
+/// Returns an area with fewer corners: its outlines are [`straightened`].
 fn smooth(area: &Area) -> Area {
     let outlines: Vec<PlaneOutline> = area.outlines().map(straightened).filter(|o| o.len() > 2).collect();
     Area::of(&outlines)
 }
 
-/// A closed outline without the corners that lie near the line between those that stay (Douglas & Peucker 1973).
+/// Removes the corners of a closed outline that lie near the line between the remaining ones (Douglas & Peucker 1973).
 fn straightened(outline: &PlaneOutline) -> PlaneOutline {
     let Some(first) = outline.first() else {
         return Vec::new();

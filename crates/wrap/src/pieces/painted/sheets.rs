@@ -1,4 +1,4 @@
-//! The sheets: pieces to paint by number, and the stencils of a paint. Each piece lies at one place on all of them.
+//! Drawing of the sheets: pieces to paint by number, and the stencils of a paint. Each piece is at one place on all of them.
 
 use super::regions::Upright;
 use super::{PaintedPieces, PieceStencil};
@@ -15,22 +15,22 @@ use scaleproof_print::print::wrap::{Contour, EDGE_DASH_MM, EDGE_LINE_MM, Point, 
 
 const BORDER_MM: f64 = 0.12;
 const NUMBER_MM: f64 = 3.5;
-/// Smaller numbers are not read.
+/// Minimum size of a number; smaller ones are illegible.
 const LEAST_NUMBER_MM: f64 = 0.9;
-/// Height of a number, of the width of the room for it.
+/// Height of a number, as a share of the room for it.
 const NUMBER_SHARE: f64 = 0.9;
-/// How much of a paint's colour the patches to paint by number show.
+/// Strength of a paint's colour in the patches to paint by number.
 const TINT: f64 = 0.35;
 const TAG_MM: f64 = 2.8;
 const OUTLINE_DASH_MM: (f64, f64) = (1.2, 0.8);
-/// From a registration hole's edge to the end of its cross.
+/// Length of a cross's arm beyond a registration hole's edge.
 const ARM_MM: f64 = 1.2;
-/// Height of a sheet's paint above its number, and of its swatch.
+/// Font size of a sheet's paint name, its height above the page's foot, and the size of its swatch.
 const PAINT_MM: f64 = 3.5;
 const PAINT_AT_MM: f64 = 7.5;
 const SWATCH_MM: f64 = 4.0;
 
-/// An area that was turned upright, in its piece's plane.
+/// Rotates an upright area back to its piece's plane.
 pub fn flat(area: &Area, upright: &Upright) -> Region {
     let contour = |outline: &PlaneOutline| -> Contour {
         let places = outline.iter().map(|p| upright.back([mm(p.x), mm(p.y)]));
@@ -49,7 +49,7 @@ pub struct Drawing<'a> {
 }
 
 impl<'a> Drawing<'a> {
-    /// The sheets to paint by number, then those of the stencils, paint by paint. A sheet without a stencil is left out.
+    /// Returns the sheets to paint by number, then those of the stencils, paint by paint. A sheet without a stencil is left out.
     pub fn all(&self, frames: &[PageFrame]) -> Vec<(String, Sheet)> {
         let mut sheets = Vec::new();
         for (page, frame) in frames.iter().enumerate() {
@@ -99,7 +99,7 @@ impl<'a> Drawing<'a> {
         self.made.materials[piece].holes.iter().map(at)
     }
 
-    /// The piece with each patch in a tint of its paint, and the paint's number in it.
+    /// Draws the piece with each patch in a tint of its paint, and the paint's number in it.
     fn numbers(&self, piece: usize) -> Vec<Mark> {
         let mut marks = Vec::new();
         let tint = |v: u8| (255.0 - TINT * (255.0 - f64::from(v))).round() as u8;
@@ -127,7 +127,7 @@ impl<'a> Drawing<'a> {
         marks
     }
 
-    /// A paint's number where its patch has most room; none where it would not be read.
+    /// Draws a paint's number where its patch has most room; none if it would be illegible.
     fn number(&self, piece: usize, paint: usize, patch: &[PlaneOutline]) -> Option<Mark> {
         let upright = self.made.regions[piece].upright;
         let region = flat(&Area::from_piece(patch), &upright);
@@ -139,7 +139,7 @@ impl<'a> Drawing<'a> {
         (size_mm >= LEAST_NUMBER_MM).then(|| Mark::centred(self.pen(piece).place(middle), size, text))
     }
 
-    /// What is cut out tinted, the sheet's outer edge, and the piece's outline on it.
+    /// Draws the openings tinted, the sheet's outer edge, and the piece's outline on it.
     fn stencil(&self, stencil: &PieceStencil) -> Vec<Mark> {
         let piece = stencil.piece;
         let mut openings = self.on_page(piece, &stencil.openings);
@@ -167,7 +167,7 @@ impl<'a> Drawing<'a> {
         marks
     }
 
-    /// The paint of a sheet of stencils, above the sheet's number.
+    /// Draws the paint of a sheet of stencils, above the sheet's number.
     fn paint_name(&self, frame: &PageFrame, paint: usize) -> Vec<Mark> {
         let (right, y) = (frame.printable.right_mm, frame.printable.bottom_mm + PAINT_AT_MM);
         let area = RectMm::new(right - SWATCH_MM, y - 0.6, right, y - 0.6 + SWATCH_MM);
