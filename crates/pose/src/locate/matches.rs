@@ -61,7 +61,7 @@ impl fmt::Display for Ignored {
     }
 }
 
-/// A tag of the scene together with where its corners were seen.
+/// Tag of the scene with the seen positions of its corners.
 #[derive(Debug, Clone)]
 pub(super) struct Match<'a> {
     pub tag: &'a Tag,

@@ -42,9 +42,9 @@ pub enum SessionImportError {
 /// Sources and destination of an import.
 #[derive(Debug, Clone, Copy)]
 pub struct ImportRequest<'a> {
-    /// The annotation file: `.json` or `.csv`.
+    /// Annotation file: `.json` or `.csv`.
     pub file: &'a Path,
-    /// The folder that holds the photos and gets the `session.json`.
+    /// Folder that contains the photos and gets the `session.json`.
     pub folder: &'a Path,
     pub scene: &'a Path,
     /// Camera file; needed only if photos lack a viewpoint.
