@@ -9,7 +9,7 @@ use super::Abstention;
 use crate::scene::{Scene, Tag};
 use crate::tags::SeenTag;
 
-/// Tag that was seen but not used for the pose.
+/// A tag that was seen but that the pose does not rest on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
 pub struct IgnoredTag {
     pub id: u32,
