@@ -1,4 +1,4 @@
-//! Asks what the C libraries below are: the version of AprilTag is part of every result's provenance, and OpenCV 4.7 moved ArUco from the
+//! Determines the versions of the C libraries: the version of AprilTag is part of every result's provenance, and OpenCV 4.7 moved ArUco from the
 //! contrib module `aruco` to `objdetect`, where it is an object.
 
 #[path = "build/apriltag.rs"]
@@ -21,7 +21,7 @@ fn main() {
     }
 }
 
-/// The version of a library that `pkg-config` finds.
+/// Returns the version of a library that `pkg-config` finds.
 fn installed(library: &str) -> Option<String> {
     let mut config = pkg_config::Config::new();
     let found = config.cargo_metadata(false).env_metadata(true).probe(library);

@@ -1,15 +1,15 @@
-//! An axis: values to pixels, and where its ticks stand.
+//! Axis of a chart: mapping of values to pixels, and positions of ticks.
 
 use scaleproof_core::geometry::extent;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
     Linear,
-    /// Values must be above 0; those that are not stand at the axis's low end.
+    /// Logarithmic; values of 0 or below are drawn at the axis's low end.
     Log,
 }
 
-/// An axis from `low` to `high`, drawn from one pixel to another.
+/// Axis from `low` to `high`, drawn from one pixel to another.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlotAxis {
     pub title: String,
@@ -19,7 +19,7 @@ pub struct PlotAxis {
 }
 
 impl PlotAxis {
-    /// Wide enough for all values. On a log axis it ends at 1, 2 or 5 times a power of ten; a linear one starts at 0 or below.
+    /// Creates an axis for all values. A log axis ends at 1, 2 or 5 times a power of ten; a linear one starts at 0 or below.
     pub fn around(title: &str, scale: Scale, values: impl IntoIterator<Item = f64>) -> Self {
         let usable = |v: &f64| v.is_finite() && (scale == Scale::Linear || *v > 0.0);
         let (mut low, mut high) = extent(values.into_iter().filter(usable));
@@ -39,7 +39,7 @@ impl PlotAxis {
         }
     }
 
-    /// Where a value stands between the ends: 0 at `low`, 1 at `high`; values beyond stand at the ends.
+    /// Returns the position of a value between the ends: 0 at `low`, 1 at `high`; values beyond are clamped.
     pub fn share(&self, value: f64) -> f64 {
         let share = match self.scale {
             Scale::Linear => (value - self.low) / (self.high - self.low),
@@ -49,7 +49,7 @@ impl PlotAxis {
         if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) }
     }
 
-    /// Values that get a line and a label.
+    /// Returns the values with a line and a label.
     pub fn ticks(&self) -> Vec<f64> {
         if self.scale == Scale::Log {
             return self.log_ticks();
@@ -60,7 +60,7 @@ impl PlotAxis {
         (first..=last).map(|n| n as f64 * step).collect()
     }
 
-    /// 1, 2, 5 of each decade, or only the decades when that would be too many.
+    /// Returns 1, 2, 5 of each decade, or only the decades if that would be too many.
     fn log_ticks(&self) -> Vec<f64> {
         let (first, last) = (self.low.log10().floor() as i32, self.high.log10().ceil() as i32);
         let steps: &[f64] = if last - first > 3 { &[1.0] } else { &[1.0, 2.0, 5.0] };
@@ -71,7 +71,7 @@ impl PlotAxis {
 }
 
 pub fn tick_label(value: f64) -> String {
-    // Of 0 the logarithm is below all numbers, and the digits are none.
+    // The logarithm of 0 is minus infinity, so it has no digits.
     let digits = if value == 0.0 {
         0
     } else {
@@ -86,14 +86,14 @@ pub fn tick_label(value: f64) -> String {
     }
 }
 
-/// The largest of 1, 2, 5 times a power of ten that is not above a positive value.
+/// Returns the largest of 1, 2, 5 times a power of ten that is not above a positive value.
 fn step_below(value: f64) -> f64 {
     let decade = 10f64.powf(value.log10().floor());
     let step = [5.0, 2.0].into_iter().find(|s| s * decade <= value * 1.000_001);
     step.unwrap_or(1.0) * decade
 }
 
-/// The smallest of them that is not below it.
+/// Returns the smallest of 1, 2, 5 times a power of ten that is not below a positive value.
 fn step_above(value: f64) -> f64 {
     let decade = 10f64.powf(value.log10().floor());
     let step = [1.0, 2.0, 5.0].into_iter().find(|s| s * decade >= value * 0.999_999);

@@ -1,4 +1,4 @@
-//! Charts for papers: a drawing as a PDF of one page with its font inside.
+//! Charts for papers: a drawing as a PDF of one page with its font embedded.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -9,11 +9,11 @@ use crate::mark::{Colour, Mark, Shape, Text};
 use crate::pdf::{self, PdfError};
 use crate::{Drawing, lettering};
 
-/// CSS pixels to points.
+/// Points per CSS pixel.
 const POINTS: f64 = 0.75;
 
 impl Drawing {
-    /// A file; viewers call it by its label.
+    /// Returns a PDF file, whose title is the label.
     ///
     /// # Errors
     /// Only if the PDF library fails; no mark is refused.
@@ -29,12 +29,12 @@ impl Drawing {
     }
 }
 
-/// What is drawn so far, in PDF's operators (ISO 32000-1, annex A).
+/// Page drawn so far, in PDF's operators (ISO 32000-1, annex A).
 struct Page {
-    /// In CSS pixels.
+    /// Size in CSS pixels.
     size: [f64; 2],
     content: String,
-    /// In hundredths, those that are not whole.
+    /// Opacities used, in hundredths, except 100.
     opacities: BTreeSet<u32>,
 }
 
@@ -73,7 +73,7 @@ impl Page {
         }
     }
 
-    /// The operator that sets it; nothing for what is not seen through.
+    /// Returns the operator that sets an opacity; empty for full opacity.
     fn opacity(&mut self, share: f64) -> String {
         let hundredths = (share.clamp(0.0, 1.0) * 100.0).round() as u32;
         if hundredths == 100 {
@@ -86,7 +86,7 @@ impl Page {
     fn text(&mut self, mark: &Mark, text: &Text) {
         let (words, size) = (latin_1(&text.words), text.size);
         let before = [0.0, 0.5, 1.0][text.anchor as usize] * lettering::width_mm(&words, size);
-        // The page is upside down, as charts have y down; letters are turned back.
+        // The page is flipped, as charts have y down; letters are flipped back.
         let place = match text.at {
             [x, y] if text.is_upright => format!("0 -1 -1 0 {x} {}", y + before),
             [x, y] => format!("1 0 0 -1 {} {y}", x - before),
@@ -100,7 +100,7 @@ impl Page {
             ));
         }
         if let Some(fill) = mark.fill.map(shares) {
-            // There is one font: what is bold has a line of its own colour around it.
+            // There is one font: bold text has a stroke of its own colour.
             let bold = text.is_bold.then(|| format!("{fill} RG {} w 2 Tr ", 0.035 * size));
             let bold = bold.unwrap_or_default();
             self.put(format_args!("q {fill} rg {shown} {bold}<{letters}> Tj ET Q"));
@@ -144,12 +144,12 @@ impl Page {
     }
 }
 
-/// To a thousandth of a point.
+/// Converts pixels to points, rounded to a thousandth of a point.
 fn points(pixels: f64) -> f64 {
     (pixels * POINTS * 1000.0).round() / 1000.0
 }
 
-/// Three shares of full, as PDF's operators take them.
+/// Formats three channels from 0 to 1, as PDF's operators take them.
 fn shares(Colour(rgb): Colour) -> String {
     let share = |shift: u32| f64::from(rgb >> shift & 0xff) / 255.0;
     format!("{:.4} {:.4} {:.4}", share(16), share(8), share(0))
@@ -160,7 +160,7 @@ fn through(points: &[[f64; 2]]) -> String {
     points.iter().enumerate().map(step).collect::<Vec<_>>().join(" ")
 }
 
-/// Four Bézier curves, off by at most 0.03 % of the radius.
+/// Returns a circle of four Bézier curves, with an error of at most 0.03 % of the radius.
 fn circle(x: f64, y: f64, r: f64) -> String {
     let k = 0.552_284_75 * r;
     let (left, right, top, bottom) = (x - r, x + r, y - r, y + r);
@@ -178,7 +178,7 @@ fn circle(x: f64, y: f64, r: f64) -> String {
     )
 }
 
-/// In the letters that the font has.
+/// Returns the text in the characters that the font has.
 fn latin_1(text: &str) -> String {
     let text = text
         .replace(['−', '–'], "-")

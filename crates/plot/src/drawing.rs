@@ -1,4 +1,4 @@
-//! A chart that a page shows inline, and that is also a file, SVG or PDF: by itself or beside others.
+//! Chart that a page shows inline, and that is also a file, SVG or PDF: by itself or beside others.
 
 use super::Anchor::{Middle, Start};
 use super::{Colour, INK, Mark, NOTE};
@@ -7,26 +7,26 @@ const CAPTION: f64 = 20.0;
 const LEGEND: f64 = 26.0;
 const MARGIN: f64 = 8.0;
 const NOTE_LINE: f64 = 15.0;
-/// About what a letter of a note takes.
+/// Approximate width of a letter of a note.
 const NOTE_LETTER: f64 = 6.0;
 
-/// Marks, and the part of their plane that is shown: left, top, width, height.
+/// Marks, and the visible part of their plane: left, top, width, height.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawing {
     pub area: [f64; 4],
-    /// What it shows, in words.
+    /// Description of its content, in words.
     pub label: String,
     pub marks: Vec<Mark>,
 }
 
-/// What explains a figure: a legend of (colour, name) above it, and lines of text below it.
+/// Explanation of a figure: a legend of (colour, name) above it, and lines of text below it.
 #[derive(Default)]
 pub struct Explained {
     pub legend: Vec<(Colour, String)>,
     pub notes: Vec<String>,
 }
 
-/// One drawing of several, each under its name, at most `across` a row, with what explains them.
+/// Combines several drawings, each under its name, at most `across` per row, with their explanation.
 pub fn figure(title: &str, explained: &Explained, across: usize, drawings: Vec<(&str, Drawing)>) -> Drawing {
     let Explained { legend, notes } = explained;
     let largest = |side: usize| drawings.iter().map(|(_, d)| d.area[side]).fold(0.0, f64::max);
@@ -60,13 +60,13 @@ pub fn figure(title: &str, explained: &Explained, across: usize, drawings: Vec<(
     }
 }
 
-/// A row of coloured squares with their names, and how wide it is.
+/// Draws a row of coloured squares with their names; returns the marks and the row's width.
 fn legend_marks(entries: &[(Colour, String)]) -> (Vec<Mark>, f64) {
     let (mut marks, mut x) = (Vec::new(), MARGIN);
     for (colour, name) in entries {
         marks.push(Mark::rect([x, 6.0], [10.0, 10.0]).filled(*colour).outlined(INK, 0.5));
         marks.push(Mark::text([x + 15.0, 15.0], 11.0, Start, INK, name));
-        // About what letters of 11 px take.
+        // Approximate width of letters of 11 px.
         x += 30.0 + 6.8 * name.chars().count() as f64;
     }
     (marks, x)

@@ -1,10 +1,10 @@
-//! How wide text is, and how it is made to fit.
+//! Width of text, and fitting it.
 //!
-//! Every sheet is lettered in DejaVu Sans (`fonts`).
+//! All sheets use DejaVu Sans (`fonts`).
 
 pub use scaleproof_core::geometry::length::number;
 
-/// The font's name where it is not embedded (SVG).
+/// Name of the font where it is not embedded (SVG).
 pub const FAMILY: &str = "DejaVu Sans";
 /// Height of capitals, as a share of the em (its `H` is 1493 of 2048 units high).
 pub const CAP_HEIGHT: f64 = 0.729;
@@ -40,7 +40,7 @@ pub fn width_mm(text: &str, size_mm: f64) -> f64 {
     text.chars().map(advance_em).sum::<f64>() * size_mm
 }
 
-/// Advance in thousandths of the em. What the font lacks counts as the widest, so that what is measured to fit does fit.
+/// Returns the advance width in thousandths of the em. A character that the font lacks counts as the widest, so that text measured to fit does fit.
 pub fn thousandths(c: char) -> u16 {
     match c {
         ' '..='~' => ASCII_WIDTHS[c as usize - ' ' as usize],
@@ -49,13 +49,13 @@ pub fn thousandths(c: char) -> u16 {
     }
 }
 
-/// Only what the font can show: anything outside Latin-1 (and the ellipsis) becomes a question mark.
+/// Returns the text with every character that the font cannot show (outside Latin-1 and the ellipsis) as a question mark.
 pub fn printable(text: &str) -> String {
     let is_known = |c: &char| matches!(c, ' '..='~' | '\u{a1}'..='\u{ff}' | '…');
     text.chars().map(|c| Some(c).filter(is_known).unwrap_or('?')).collect()
 }
 
-/// The text, with as much of its middle replaced by an ellipsis as is needed to stay within `most_mm`.
+/// Returns the text, with as much of its middle replaced by an ellipsis as is needed to stay within `most_mm`.
 pub fn shortened(text: &str, size_mm: f64, most_mm: f64) -> String {
     let letters: Vec<char> = text.chars().collect();
     let mut kept = letters.len();
@@ -69,7 +69,7 @@ pub fn shortened(text: &str, size_mm: f64, most_mm: f64) -> String {
     short
 }
 
-/// The text in lines of at most `most_mm`, broken at spaces. A word that is wider stands alone.
+/// Breaks the text at spaces into lines of at most `most_mm`. A wider word gets a line of its own.
 pub fn wrapped(text: &str, size_mm: f64, most_mm: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
@@ -84,7 +84,7 @@ pub fn wrapped(text: &str, size_mm: f64, most_mm: f64) -> Vec<String> {
     lines
 }
 
-/// The size at which a line is at most `most_mm` wide: `size_mm`, or smaller.
+/// Returns the size at which a line is at most `most_mm` wide: `size_mm`, or smaller.
 pub fn fitting_size_mm(text: &str, size_mm: f64, most_mm: f64) -> f64 {
     size_mm.min(size_mm * most_mm / width_mm(text, size_mm).max(f64::MIN_POSITIVE))
 }

@@ -1,9 +1,9 @@
-//! Small charts and plain pages, drawn the same wherever the program shows measurements: one against the other, or along a sweep.
+//! Small charts and plain pages, drawn uniformly wherever the program shows measurements: one against the other, or along a sweep.
 //!
 //! Colours are those of Okabe & Ito (2008), which people with colour blindness can distinguish.
 //!
-//! - here: what charts are made of ([`Mark`]), charts ([`scatter()`], [`panels()`], [`figure()`]), written as SVG and PDF ([`Drawing`]), and pages;
-//! - [`lettering`]: how wide text is, of charts and sheets alike; [`pdf`]: what all PDFs have.
+//! - here: the elements of charts ([`Mark`]), charts ([`scatter()`], [`panels()`], [`figure()`]), written as SVG and PDF ([`Drawing`]), and pages;
+//! - [`lettering`]: width of text, of charts and sheets alike; [`pdf`]: common parts of all PDFs.
 //!
 //! ```
 //! use scaleproof_plot::{Drawing, Mark, colour};
@@ -41,18 +41,18 @@ const COLOURS: [u32; 10] = [
 ];
 pub const BLACK: Colour = Colour(0x000000);
 pub const WHITE: Colour = Colour(0xffffff);
-/// Of what is read first.
+/// Colour of primary text.
 pub const INK: Colour = Colour(0x1b1f24);
-/// Of what says how to read it.
+/// Colour of explanatory text.
 pub const NOTE: Colour = Colour(0x5b6573);
-/// Of lines that the eye follows to an axis.
+/// Colour of grid lines.
 pub const FAINT: Colour = Colour(0xd7dce2);
 
 pub fn colour(series: usize) -> Colour {
     Colour(COLOURS[series % COLOURS.len()])
 }
 
-/// Each of some names once, in the order in which they come.
+/// Returns each distinct name once, in the order of first occurrence.
 pub fn distinct<T: PartialEq>(names: impl IntoIterator<Item = T>) -> Vec<T> {
     names.into_iter().fold(Vec::new(), |mut known, name| {
         if !known.contains(&name) {

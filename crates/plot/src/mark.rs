@@ -1,10 +1,11 @@
-//! What charts are made of, in CSS pixels: x to the right, y down.
+//! Elements of charts, in CSS pixels: x to the right, y down.
 //!
-//! Sheets have marks of their own (`print::sheet`): they are in millimetres with y up, and are stamped, clipped and cut; these turn, shine through and have a title for the pointer.
+//! Sheets have marks of their own (`print::sheet`): they are in millimetres with y up, and are stamped, clipped and cut; these can be rotated,
+//! transparent, and have a tooltip.
 
 use std::fmt;
 
-/// sRGB as `0xrrggbb`; as text `#rrggbb`.
+/// sRGB colour as `0xrrggbb`; as text `#rrggbb`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Colour(pub u32);
 
@@ -14,24 +15,24 @@ impl fmt::Display for Colour {
     }
 }
 
-/// One thing in a chart. Marks are painted in order.
+/// Graphic element of a chart. Marks are painted in order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
     pub shape: Shape,
     pub fill: Option<Colour>,
-    /// Of the fill: 0 is not seen, 1 hides what is below it.
+    /// Opacity of the fill: 0 is invisible, 1 hides what is below it.
     pub opacity: f64,
-    /// Colour and width of the line around a shape; of text it lies below the letters.
+    /// Colour and width of the line around a shape; for text it is drawn below the letters.
     pub stroke: Option<(Colour, f64)>,
     pub is_dashed: bool,
-    /// Shown under the pointer, in SVG alone.
+    /// Tooltip, in SVG only.
     pub title: Option<String>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
     Line([[f64; 2]; 2]),
-    /// With round joins, so that none is drawn beyond its value.
+    /// Polyline with round joins, so that no tip exceeds its value.
     Polyline(Vec<[f64; 2]>),
     Polygon(Vec<[f64; 2]>),
     /// Upper left corner, and width and height.
@@ -39,24 +40,24 @@ pub enum Shape {
     /// Centre and radius.
     Circle([f64; 2], f64),
     Text(Text),
-    /// Marks, moved by so much.
+    /// Marks, moved by an offset.
     Group([f64; 2], Vec<Mark>),
 }
 
-/// A line of text on its baseline.
+/// Line of text on its baseline.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Text {
     pub at: [f64; 2],
-    /// The em.
+    /// Font size (em).
     pub size: f64,
     pub anchor: Anchor,
     pub is_bold: bool,
-    /// Written upwards.
+    /// True if the text runs upwards.
     pub is_upright: bool,
     pub words: String,
 }
 
-/// Which point of a text its place names.
+/// Horizontal anchor of a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Anchor {
     Start,
@@ -88,7 +89,7 @@ impl Mark {
         Self::new(Shape::Polygon(points.into_iter().map(round).collect()))
     }
 
-    /// An upright rectangle; neighbours share an edge exactly.
+    /// Creates an upright rectangle; neighbours share an edge exactly.
     pub fn rect(corner: [f64; 2], [width, height]: [f64; 2]) -> Self {
         let ([left, top], [right, bottom]) = (round(corner), round([corner[0] + width, corner[1] + height]));
         Self::new(Shape::Rect([left, top], round([right - left, bottom - top])))
@@ -121,7 +122,7 @@ impl Mark {
         Self { fill, ..self }
     }
 
-    /// Lets what is below it shine through the fill.
+    /// Sets the opacity of the fill.
     pub fn sheer(self, opacity: f64) -> Self {
         Self { opacity, ..self }
     }
@@ -140,12 +141,12 @@ impl Mark {
         Self { title, ..self }
     }
 
-    /// Text in bold letters.
+    /// Makes text bold.
     pub fn bold(self) -> Self {
         self.lettered(|text| text.is_bold = true)
     }
 
-    /// Text that runs upwards.
+    /// Makes text run upwards.
     pub fn upright(self) -> Self {
         self.lettered(|text| text.is_upright = true)
     }
@@ -158,9 +159,9 @@ impl Mark {
     }
 }
 
-/// To a tenth of a pixel, which is all a screen shows; fewer digits, smaller files. What is no number is 0.
+/// Rounds to a tenth of a pixel, which is a screen's resolution; fewer digits, smaller files. NaN and infinity become 0.
 fn round(at: [f64; 2]) -> [f64; 2] {
-    // Adding 0 takes the sign of a zero away.
+    // Adding 0 removes the sign of a zero.
     let tenth = |v: f64| (v * 10.0).round() / 10.0 + 0.0;
     at.map(|v| if v.is_finite() { tenth(v) } else { 0.0 })
 }

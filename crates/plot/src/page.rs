@@ -1,10 +1,10 @@
-//! A plain page of its own: no script, no link to anywhere.
+//! Plain HTML page, without scripts and external links.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 const STYLE: &str = include_str!("style.css");
 
-/// A page without a link to anywhere: its title, what it looks like, and what is in it.
+/// Returns a page without external links: its title, its style sheet, and its body.
 pub fn html_page(title: &str, style: &str, body: &Markup) -> String {
     html! {
         (DOCTYPE)
@@ -21,7 +21,7 @@ pub fn html_page(title: &str, style: &str, body: &Markup) -> String {
     .into_string()
 }
 
-/// The page as an HTML file. `lead` stands below the title; `foot` behind the program's version.
+/// Returns the page as an HTML file. `lead` follows the title; `foot` the program's version.
 pub fn plain_page(title: &str, lead: &Markup, content: &Markup, foot: &str) -> String {
     let body = html! {
         header { h1 { (title) } p.lead { (lead) } }

@@ -1,10 +1,10 @@
-//! Many small charts on one page: each a sweep of one condition, with several lines over it.
+//! Page of many small charts: each a sweep of one condition, with several lines.
 
 use super::Anchor::{End, Middle, Start};
 use super::axis::tick_label;
 use super::{Drawing, FAINT, INK, Mark, NOTE, PlotAxis, colour};
 
-/// One line of a panel: values along the panel's x, gaps where nothing was measured.
+/// Line of a panel: values along the panel's x, with gaps where nothing was measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlotLine {
     pub series: usize,
@@ -12,7 +12,7 @@ pub struct PlotLine {
     pub is_dashed: bool,
 }
 
-/// One small chart. The x values are evenly spaced steps with their labels: sweeps go from harmless to hopeless.
+/// Small chart. The x values are evenly spaced steps with their labels: sweeps go from harmless to hopeless.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlotPanel {
     pub title: String,
@@ -25,7 +25,7 @@ const PANEL: (f64, f64) = (190.0, 104.0);
 const CELL: (f64, f64) = (252.0, 168.0);
 const TOP: f64 = 64.0;
 
-/// A page of panels, row by row, `across` a row, with a legend of colours and of solid and dashed lines.
+/// Draws a page of panels, row by row, `across` per row, with a legend of colours and of solid and dashed lines.
 pub fn panels(title: &str, notes: &[String], series: &[String], across: usize, all: &[PlotPanel]) -> Drawing {
     let across = across.max(1);
     let notes_height = 14.0 * notes.len() as f64;
@@ -55,7 +55,7 @@ fn draw(panel: &PlotPanel) -> Vec<Mark> {
     let last = panel.steps.len().saturating_sub(1).max(1) as f64;
     let x = |step: usize| step as f64 / last * PANEL.0;
     let y = |value: f64| (1.0 - panel.y.share(value)) * PANEL.1;
-    // Labels of about 26 px each.
+    // Labels are about 26 px wide.
     let every = panel.steps.len().div_ceil(7).max(1);
     let mut marks = vec![Mark::text([0.0, -7.0], 11.0, Start, INK, &panel.title).bold()];
     for tick in panel.y.ticks() {

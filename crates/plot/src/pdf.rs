@@ -1,4 +1,4 @@
-//! What every PDF of this program has: the one font, embedded, and an identifier that is made from the content.
+//! Common parts of all PDFs of this program: the one font, embedded, and an identifier derived from the content.
 
 use std::io::Write;
 use std::sync::Mutex;
@@ -10,19 +10,19 @@ use lopdf::{Dictionary, Document, Object, Stream, StringFormat, dictionary};
 use crate::lettering;
 use scaleproof_core::{files, workers};
 
-/// A PDF that could not be put together.
+/// Error for a PDF that could not be written.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("the PDF could not be put together: {reason}")]
 pub struct PdfError {
     pub reason: String,
 }
 
-/// DejaVu Sans, Latin-1 only; where it comes from and its licence are in `crates/core/fonts`.
+/// DejaVu Sans, Latin-1 only; its origin and licence are in `crates/core/fonts`.
 const FILE: &[u8] = scaleproof_core::FONT;
-/// With the tag of a subset (ISO 32000-1, 9.6.4).
+/// Font name with the tag of a subset (ISO 32000-1, 9.6.4).
 const NAME: &str = "LATINA+DejaVuSans";
 
-/// Compresses and saves, with an identifier made from the content instead of printpdf's counter.
+/// Compresses and saves, with an identifier derived from the content instead of printpdf's counter.
 pub fn bytes_of(mut document: Document) -> Result<Vec<u8>, PdfError> {
     let failed = |e: std::io::Error| PdfError { reason: e.to_string() };
     compress(&mut document);
@@ -37,7 +37,7 @@ pub fn bytes_of(mut document: Document) -> Result<Vec<u8>, PdfError> {
     Ok(bytes)
 }
 
-/// On all cores: images of sheets are much work. A stream that cannot be compressed stays as it is.
+/// Compresses streams on all cores, since images of sheets are much work. A stream that cannot be compressed stays unchanged.
 fn compress(document: &mut Document) {
     let streams = document
         .objects
@@ -54,7 +54,8 @@ fn compress(document: &mut Document) {
     });
 }
 
-/// At zlib's usual level: the highest, which `lopdf` takes, needs four times as long here for a file that is a thirtieth smaller.
+/// Compresses a stream at zlib's default level: the highest, which `lopdf` uses, takes four times as long here for a file that is a thirtieth
+/// smaller.
 fn compress_one(stream: &mut Stream) -> std::io::Result<()> {
     if stream.dict.has(b"Filter") {
         return Ok(());
@@ -69,16 +70,16 @@ fn compress_one(stream: &mut Stream) -> std::io::Result<()> {
     Ok(())
 }
 
-/// A PDF name object.
+/// Returns a PDF name object.
 pub fn name(text: &str) -> Object {
     Object::Name(text.as_bytes().to_vec())
 }
 
-/// A simple TrueType font (ISO 32000-1, 9.6.3) and its descriptor (9.8).
+/// Returns a simple TrueType font (ISO 32000-1, 9.6.3) and adds its descriptor (9.8).
 pub fn font(document: &mut Document) -> Dictionary {
     let length = dictionary! { "Length1" => FILE.len() as i64 };
     let file = document.add_object(Stream::new(length, FILE.to_vec()));
-    // From the font's head, hhea and glyf tables, in thousandths of the em.
+    // Values of the font's head, hhea and glyf tables, in thousandths of the em.
     let bounds = [-1021, -463, 1793, 1232].map(Object::Integer);
     let descriptor = document.add_object(dictionary! {
         "Type" => "FontDescriptor",
@@ -107,10 +108,10 @@ pub fn font(document: &mut Document) -> Dictionary {
 
 const FIRST: u8 = 0x20;
 const LAST: u8 = 0xff;
-/// Font flag 6: the font's letters are those of the standard Latin set (ISO 32000-1, table 123).
+/// Font flag 6: the font has the letters of the standard Latin set (ISO 32000-1, table 123).
 const NONSYMBOLIC: i64 = 1 << 5;
 
-/// The advance of a WinAnsi code. It agrees with Latin-1 but for 0x80 to 0x9f, of which only the ellipsis is ever written.
+/// Returns the advance width of a WinAnsi code. It agrees with Latin-1 except for 0x80 to 0x9f, of which only the ellipsis is ever written.
 fn width(code: u8) -> i64 {
     match code {
         0x85 => lettering::thousandths('…').into(),

@@ -1,4 +1,4 @@
-//! Error against time, with a third figure as the filled share of each mark.
+//! Scatter plot of error against time, with a third value as the filled share of each mark.
 
 use std::f64::consts::TAU;
 
@@ -15,41 +15,41 @@ const OUTLINES: [&[[f64; 2]]; 5] = [
     &[[0.0, 7.5], [7.0, -5.5], [-7.0, -5.5]],
 ];
 
-/// One measured method.
+/// Measured method.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dot {
     pub x: f64,
     pub y: f64,
-    /// How much of the mark is filled, 0 to 1.
+    /// Filled share of the mark, 0 to 1.
     pub share: f64,
-    /// Index into the colours' names.
+    /// Index of the series in the colours' names.
     pub series: usize,
     pub shape: usize,
-    /// Written beside it.
+    /// Name written beside the mark.
     pub name: Option<String>,
     pub is_ringed: bool,
 }
 
-/// Dots over shared axes, with what colours and shapes stand for.
+/// Dots over shared axes, with the meaning of colours and shapes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cloud {
     pub title: String,
-    /// One line: what the third mark is.
+    /// One line on the meaning of the filled share.
     pub note: String,
     pub x: PlotAxis,
     pub y: PlotAxis,
     pub colours: Vec<String>,
     pub shapes: Vec<String>,
-    /// What the ring means.
+    /// Meaning of the ring.
     pub ringed: String,
-    /// One plot each, side by side.
+    /// Groups of dots, one plot each, side by side.
     pub groups: Vec<(String, Vec<Dot>)>,
 }
 
-/// Width of a plot: of one of several, and of one alone.
+/// Width of a plot: of one of several, and of a single one.
 const WIDTHS: [f64; 2] = [300.0, 520.0];
 const HEIGHT: f64 = 300.0;
-/// Of a letter of the note.
+/// Approximate width of a letter of the note.
 const LETTER: f64 = 6.2;
 const LEFT: f64 = 62.0;
 const TOP: f64 = 78.0;
@@ -129,7 +129,7 @@ fn ring(radius: f64) -> Mark {
     Mark::circle([0.0, 0.0], radius).outlined(INK, 1.5)
 }
 
-/// An outline with a clockwise sector of it filled.
+/// Draws an outline with a clockwise sector of it filled.
 fn symbol(series: usize, shape: usize, share: f64) -> Vec<Mark> {
     let paint = colour(series);
     let share = share.clamp(0.0, 1.0);
@@ -145,7 +145,7 @@ fn symbol(series: usize, shape: usize, share: f64) -> Vec<Mark> {
     [outline.filled(WHITE)].into_iter().chain(filled).collect()
 }
 
-/// A clockwise sector from the top that is this share of a mark: the middle, and points of the arc so near that none is seen as a corner.
+/// Returns a clockwise sector from the top with this share of a mark: the centre, and points of the arc so close that it looks round.
 pub fn sector(share: f64) -> Vec<[f64; 2]> {
     let steps = (share * 40.0).ceil().max(1.0);
     let on_arc = |step: u32| {
@@ -156,7 +156,7 @@ pub fn sector(share: f64) -> Vec<[f64; 2]> {
     [[0.0; 2]].into_iter().chain(arc).collect()
 }
 
-/// The written names, moved down where two would cover each other.
+/// Draws the names, moved down where two would overlap.
 fn names(cloud: &Cloud, dots: &[Dot]) -> Vec<Mark> {
     let mut named: Vec<([f64; 2], &str)> = dots
         .iter()

@@ -1,4 +1,4 @@
-//! Drawings as SVG: inline in a page, and as a file of its own.
+//! Writing of drawings as SVG: inline in a page, and as a file of its own.
 
 use maud::{Markup, PreEscaped, html};
 
@@ -6,7 +6,7 @@ use super::mark::{Mark, Shape, Text};
 use super::{Drawing, WHITE};
 
 impl Drawing {
-    /// For a page, which says by the class how large it is.
+    /// Returns the SVG for a page, whose style sets its size by the class.
     pub fn inline(&self, class: Option<&str>) -> Markup {
         let [left, top, width, height] = self.area;
         html! {
@@ -14,7 +14,7 @@ impl Drawing {
         }
     }
 
-    /// A file, on white.
+    /// Returns an SVG file, on white.
     pub fn svg(&self) -> String {
         let [left, top, width, height] = self.area;
         let ground = Mark::rect([left, top], [width, height]).filled(WHITE);
@@ -28,7 +28,7 @@ impl Drawing {
     }
 }
 
-/// What stands inside an `svg`.
+/// Returns the content of an `svg` element.
 pub fn markup(marks: &[Mark]) -> Markup {
     PreEscaped(marks.iter().map(element).collect())
 }

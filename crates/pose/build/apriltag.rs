@@ -1,20 +1,20 @@
-//! Which C AprilTag library `apriltag-sys` links: the one it carries, or the system's. Its build script decides by the environment and
-//! `pkg-config`, and tells nobody; this repeats the decision.
+//! Choice of the C AprilTag library that `apriltag-sys` links: the one it carries, or the system's. Its build script decides by the environment and
+//! `pkg-config`, without output; this repeats the decision.
 
-/// What `apriltag-sys` carries. `Cargo.toml` asks for exactly this release of it.
+/// Library that `apriltag-sys` carries. `Cargo.toml` requires exactly this release of it.
 pub const CARRIED: Linked<'static> = Linked {
     version: "3.2",
     origin: "apriltag-sys 0.3",
 };
 
-/// A library, as the provenance of results names it.
+/// Version and origin of a library, for the provenance of results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Linked<'a> {
     pub version: &'a str,
     pub origin: &'a str,
 }
 
-/// `method` and `source` are `APRILTAG_SYS_METHOD` and `APRILTAG_SRC`; `system` is the version that `pkg-config` finds.
+/// Returns the library that is linked; `method` and `source` are `APRILTAG_SYS_METHOD` and `APRILTAG_SRC`; `system` is the version that `pkg-config` finds.
 pub fn linked<'a>(method: Option<&str>, source: Option<&str>, system: Option<&'a str>) -> Linked<'a> {
     let asks_pkg_config = matches!(method, None | Some("pkg-config" | "pkg-config-then-static"));
     match (system.filter(|_| asks_pkg_config), source) {

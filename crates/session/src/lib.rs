@@ -1,4 +1,4 @@
-//! A stored photo set, and the truth boxes that scene and pose give for each photo.
+//! Stored photo sets, and the ground truth boxes of their photos by scene and pose.
 //!
 //! ```
 //! use std::path::Path;

@@ -1,4 +1,4 @@
-//! Copies of photos with what was found drawn on them.
+//! Copies of photos annotated with the detected tags and poses.
 
 use std::path::Path;
 
@@ -31,7 +31,7 @@ const WORDS: DrawColour = [255; 3];
 const GROUND: DrawColour = [25, 25, 30];
 const NO_POSE: DrawColour = [150, 20, 20];
 
-/// Draws what was found in a photo, the tags, the model's box and axes and its truth box, and writes the copy.
+/// Annotates a copy of a photo with the tags, the model's box and axes and its ground truth box, and writes it.
 ///
 /// # Errors
 /// The photo cannot be read again; the copy cannot be written.
@@ -57,17 +57,17 @@ pub fn write(
     copies::write(place, &overlay.image)
 }
 
-/// A copy that is drawn on; places are in pixels of the photo.
+/// Copy being annotated; positions are in pixels of the photo.
 struct Overlay {
     image: RgbImage,
-    /// How much smaller the copy is in both directions.
+    /// Scale from photo to copy, across and down.
     scale: [f64; 2],
     width_px: f64,
     size_px: f64,
 }
 
 impl Overlay {
-    /// The photo with a longest side of [`LONGEST_SIDE_PX`] at most.
+    /// Creates a copy with a longest side of at most [`LONGEST_SIDE_PX`].
     fn new(file: &Photo) -> Result<Overlay, PhotoError> {
         let sides = [file.width, file.height];
         let small = fitting(sides, LONGEST_SIDE_PX);
@@ -82,12 +82,12 @@ impl Overlay {
         })
     }
 
-    /// A place of the photo in the copy.
+    /// Converts a position in the photo to the copy.
     fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [(x + 0.5) * self.scale[0] - 0.5, (y + 0.5) * self.scale[1] - 0.5]
     }
 
-    /// A line of this colour, so much wider than the usual one.
+    /// Returns a pen of this colour, `wider` times the usual width.
     fn pen(&self, colour: DrawColour, wider: f64) -> Pen {
         let width_px = wider * self.width_px;
         Pen { colour, width_px }
@@ -103,7 +103,7 @@ impl Overlay {
         draw::label(&mut self.image, middle, LabelAnchor::Centre, text, letters);
     }
 
-    /// The model's box, the box that detections are held against, and the axes.
+    /// Draws the model's box, its ground truth box, and the axes.
     fn model(&mut self, scene: &Scene, outline: &EnvelopeShape, pose: &Rigid, camera: &Camera) {
         let corners = scene.model.box_corners_mm();
         for (i, from) in corners.iter().enumerate() {
@@ -112,7 +112,7 @@ impl Overlay {
             }
         }
         if let Ok(truth) = outline.box_in_photo(pose, camera) {
-            // It counts from the image's corner, drawing from the first pixel's centre.
+            // The box counts from the image's corner, drawing from the first pixel's centre.
             let [left, top, right, bottom] = [truth.x1, truth.y1, truth.x2, truth.y2].map(|v| v - 0.5);
             let (corners, pen) = ([self.at([left, top]), self.at([right, bottom])], self.pen(TRUTH, 1.0));
             draw::rectangle(&mut self.image, corners[0], corners[1], pen);
@@ -131,7 +131,7 @@ impl Overlay {
         }
     }
 
-    /// A straight edge of the model frame, bent as the lens bends it.
+    /// Draws a straight edge of the model frame as curved by the lens.
     fn edge(&mut self, from: &Point3<f64>, to: &Point3<f64>, pose: &Rigid, camera: &Camera, pen: Pen) {
         const PIECES: u32 = 24;
         let pixel = |i: u32| camera.project(&(pose * (from + (to - from) * (f64::from(i) / f64::from(PIECES)))));
@@ -150,7 +150,7 @@ impl Overlay {
         self.label(middle, &text, [[0; 3], colour]);
     }
 
-    /// Text in the top-left corner, broken into lines that fit.
+    /// Draws text in the top-left corner, broken into lines that fit.
     fn words(&mut self, text: &str, ground: DrawColour) {
         let size_px = 1.15 * self.size_px;
         let widest = 0.96 * f64::from(self.image.width());
@@ -171,7 +171,7 @@ impl Overlay {
     }
 }
 
-/// What became of a tag: its colour and label.
+/// Returns a tag's colour and label, by its use for the pose.
 fn fate(tag: &SeenTag, examined: &LocatedPhoto, scene: &Scene) -> (DrawColour, String) {
     let id = tag.id;
     let is_ignored = |located: &Located| located.ignored_tags.iter().find(|tag| tag.id == id).map(|tag| tag.why);
@@ -215,7 +215,7 @@ fn in_words(l: &Located) -> String {
     )
 }
 
-/// A line in lines of at most so many pixels, broken at spaces.
+/// Breaks a line at spaces into lines of at most `widest_px` pixels.
 fn wrapped(line: &str, size_px: f64, widest_px: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in line.split(' ') {

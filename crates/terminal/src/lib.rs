@@ -1,4 +1,4 @@
-//! What a person at a terminal sees: notes, errors and progress, in which no text from elsewhere moves the cursor.
+//! Output to a terminal: notes, errors and progress, in which no foreign text moves the cursor.
 //!
 //! - [`say!`]: one sentence on standard error, unless it is a note and `--quiet` was given;
 //! - [`Visible`]: a writer that shows control characters by their numbers;

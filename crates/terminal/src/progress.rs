@@ -10,10 +10,10 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::{is_quiet, say};
 
-/// Between two lines.
+/// Time between two lines.
 const EVERY: Duration = Duration::from_secs(5);
 
-/// How far some work has come. Dropped before [`Progress::finish_and_clear`], it just goes.
+/// Progress of some work. If dropped before [`Progress::finish_and_clear`], it just disappears.
 pub struct Progress {
     bar: ProgressBar,
     work: Work,
@@ -23,16 +23,16 @@ pub struct Progress {
 
 type Say = Arc<dyn Fn(&str) + Send + Sync>;
 
-/// The thread that says a line from time to time, so that also work whose steps are long is heard of.
+/// Thread that prints a line from time to time, so that work with long steps is reported, too.
 struct Printer {
-    /// Dropped, it stops the thread.
+    /// Sender whose drop stops the thread.
     stop: Sender<()>,
-    /// Whether a line was said.
+    /// Thread that returns true if it printed a line.
     thread: JoinHandle<bool>,
 }
 
 impl Progress {
-    /// Without `every`, no line is said.
+    /// Starts the progress; without `every`, no lines are printed.
     fn start(work: Work, bar: ProgressBar, every: Option<Duration>, say: Say) -> Self {
         let printer = every.map(|every| {
             let (stop, stopped) = mpsc::channel();
@@ -56,7 +56,7 @@ impl Progress {
         }
     }
 
-    /// Does the work that this shows, and finishes when it is done; after an error it just goes.
+    /// Runs the work that this shows, and finishes when it is done; after an error the progress just disappears.
     pub fn during<T, E>(self, work: impl FnOnce(&Self) -> Result<T, E>) -> Result<T, E> {
         let done = work(&self)?;
         self.finish_and_clear();
@@ -75,12 +75,12 @@ impl Progress {
         self.bar.set_length(length);
     }
 
-    /// How well it goes.
+    /// Sets the message beside the bar.
     pub fn set_message(&self, message: String) {
         self.bar.set_message(message);
     }
 
-    /// The work is done; what took long enough for a line gets a last one.
+    /// Marks the work as done; if lines were printed, prints a last one.
     pub fn finish_and_clear(&self) {
         if self.stop() {
             (self.say)(&self.work.last_line(&self.bar));
@@ -88,7 +88,7 @@ impl Progress {
         self.bar.finish_and_clear();
     }
 
-    /// Whether a line was said before, the first time it is asked.
+    /// Stops the thread; returns true if it printed a line (only at the first call).
     fn stop(&self) -> bool {
         let printer = self.printer.lock().ok().and_then(|mut printer| printer.take());
         printer.is_some_and(|Printer { stop, thread }| {
@@ -108,12 +108,12 @@ pub fn photos(what: &str, count: usize) -> Progress {
     counting(what, count, "photos")
 }
 
-/// A bar that counts frames, one whole image after the other.
+/// Creates a bar that counts frames, one whole image after the other.
 pub fn frames(what: &str, count: usize) -> Progress {
     counting(what, count, "frames")
 }
 
-/// A bar that counts the steps of a search.
+/// Creates a bar that counts the steps of a search.
 pub fn steps(what: &str, count: usize) -> Progress {
     counting(what, count, "steps")
 }
@@ -123,20 +123,20 @@ fn counting(what: &str, count: usize, unit: &'static str) -> Progress {
     shown(ProgressBar::new(count as u64), what, Unit::Counted(unit), &template)
 }
 
-/// A bar that counts the seconds or the steps of a training; its message is how well it goes.
+/// Creates a bar that counts the seconds or the steps of a training; its message shows the training's progress.
 pub fn training(is_time: bool, length: u64) -> Progress {
     let unit = if is_time { "s" } else { "steps" };
     let template = format!("training {{bar:30}} {{pos}}/{{len}} {unit}, {{msg}}");
     shown(ProgressBar::new(length), "training", Unit::Counted(unit), &template)
 }
 
-/// A bar that counts the bytes of a download, whose length may become known later.
+/// Creates a bar that counts the bytes of a download, whose length may become known later.
 pub fn bytes(what: &str) -> Progress {
     let template = "{msg:<18} {bar:30} {bytes} of {total_bytes}{left}";
     shown(ProgressBar::no_length(), what, Unit::Bytes, template)
 }
 
-/// Work whose steps nobody counts.
+/// Creates a spinner for work without countable steps.
 pub fn busy(what: &str) -> Progress {
     let spinner = ProgressBar::new_spinner();
     let progress = shown(spinner, what, Unit::None, "{spinner} {msg}, {elapsed}");
@@ -146,7 +146,7 @@ pub fn busy(what: &str) -> Progress {
     progress
 }
 
-/// Says what is being done, where no step can be counted.
+/// Prints a sentence about current work without countable steps.
 pub fn announce(sentence: &str) {
     if !is_quiet() {
         say!("{sentence}");
@@ -154,7 +154,7 @@ pub fn announce(sentence: &str) {
 }
 
 fn shown(bar: ProgressBar, what: &str, unit: Unit, template: &str) -> Progress {
-    // A template that does not parse would only cost the looks.
+    // An invalid template only affects the appearance.
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
     let style = style.with_key("left", |state: &ProgressState, out: &mut dyn Write| {
         let _ = out.write_str(&left(state.pos(), state.len(), state.elapsed()));
@@ -163,7 +163,7 @@ fn shown(bar: ProgressBar, what: &str, unit: Unit, template: &str) -> Progress {
     if is_quiet() {
         bar.set_draw_target(ProgressDrawTarget::hidden());
     }
-    // A bar is hidden where there is no terminal, or one that cannot move its cursor (TERM=dumb).
+    // A bar is hidden if there is no terminal, or one that cannot move its cursor (TERM=dumb).
     let every = (!is_quiet() && bar.is_hidden()).then_some(EVERY);
     let what = what.to_owned();
     Progress::start(Work { what, unit }, bar, every, Arc::new(|line: &str| say!("{line}")))
@@ -183,7 +183,7 @@ struct Work {
 }
 
 impl Work {
-    /// As in `scoring 120/300 photos, 40 s left`.
+    /// Returns a line as in `scoring 120/300 photos, 40 s left`.
     fn line(&self, bar: &ProgressBar) -> String {
         match self.unit {
             Unit::None => format!("{}, {} so far", self.what, duration(bar.elapsed())),
@@ -212,9 +212,10 @@ impl Work {
     }
 }
 
-/// As in `, 40 s left`, by the mean speed until now; nothing during the first twentieth, which says little of the rest, and when all is done.
+/// Returns the remaining time as in `, 40 s left`, by the mean speed so far; empty during the first twentieth, which is a poor basis, and when all is
+/// done.
 ///
-/// A speed of the last seconds, as indicatif takes it, promises days where one step takes longer than those before.
+/// indicatif's estimate, by the speed of the last seconds, predicts days if one step takes longer than those before.
 fn left(done: u64, all: Option<u64>, elapsed: Duration) -> String {
     match all {
         Some(all) if done > 0 && done < all && 20 * done >= all => {
@@ -229,7 +230,7 @@ fn megabytes(bytes: u64) -> String {
     format!("{:.1} MB", bytes as f64 / 1e6)
 }
 
-/// `40 s`, `12 min` or `3 h 5 min`.
+/// Formats a duration as `40 s`, `12 min` or `3 h 5 min`.
 fn duration(time: Duration) -> String {
     match (time.as_secs_f64().round() as u64, time.as_secs() / 60) {
         (seconds, _) if seconds < 120 => format!("{seconds} s"),

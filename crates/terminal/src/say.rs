@@ -1,24 +1,24 @@
-//! The one way to the terminal. Texts from elsewhere (file names, names in sessions and palettes, tensors) may hold characters that move the
-//! cursor, colour what follows or turn the direction of reading: they are shown by their numbers. A word longer than any path is cut in its middle.
+//! Output of texts to the terminal. Foreign texts (file names, names in sessions and palettes, tensors) may contain characters that move the cursor,
+//! change colours or reverse the direction of reading: these are shown by their numbers. A word longer than any path is cut in its middle.
 
 use std::fmt;
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Set once, at the start, by `--quiet`.
+/// Flag set once, at the start, by `--quiet`.
 static QUIET: AtomicBool = AtomicBool::new(false);
 
-/// From now on, notes and progress are not shown.
+/// Suppresses notes and progress from now on.
 pub fn be_quiet() {
     QUIET.store(true, Ordering::Relaxed);
 }
 
-/// Whether notes and progress are not to be shown.
+/// Returns true if notes and progress are suppressed.
 pub fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
-/// Says a sentence on standard error, unless it is a note that `--quiet` silences. Nobody may be there to read it.
+/// Prints a sentence on standard error, unless it is a note that `--quiet` suppresses. Write errors are ignored.
 pub fn say(sentence: fmt::Arguments) {
     let text = without_endless_words(&sentence.to_string()).replace('\n', "\\u000a");
     if is_quiet() && is_note(&text) {
@@ -27,10 +27,10 @@ pub fn say(sentence: fmt::Arguments) {
     let _ = writeln!(Visible(io::stderr().lock()), "{text}");
 }
 
-/// No path is longer (Linux, `PATH_MAX`), nor is a name, a number or a label that anybody would read.
+/// Maximum length of a word: no path is longer (Linux, `PATH_MAX`), nor is a readable name, number or label.
 const LONGEST_WORD: usize = 4096;
 
-/// A text with its words; of a longer one its beginning, its end, and how long it is.
+/// Shortens overlong words of a text to their beginning, their end, and their length.
 fn without_endless_words(text: &str) -> String {
     const SHOWN: usize = 60;
     let shown = |word: &str| {
@@ -45,12 +45,12 @@ fn without_endless_words(text: &str) -> String {
     text.split(' ').map(shown).collect::<Vec<_>>().join(" ")
 }
 
-/// `note: …`, or `note on PHOTO: …`. What became of an input (`no pose for PHOTO: …`) is a result.
+/// Returns true for `note: …`, or `note on PHOTO: …`. The outcome for an input (`no pose for PHOTO: …`) is a result.
 fn is_note(sentence: &str) -> bool {
     ["note: ", "note on "].iter().any(|begin| sentence.starts_with(begin))
 }
 
-/// `eprintln!` for texts from elsewhere.
+/// `eprintln!` for foreign texts.
 #[macro_export]
 macro_rules! say {
     ($($text:tt)*) => {
@@ -58,7 +58,7 @@ macro_rules! say {
     };
 }
 
-/// Shows control characters as `\u001b`, which is also how JSON writes them. Lines and tabs stay.
+/// Writer that shows control characters as `\u001b`, as JSON does. Line ends and tabs are kept.
 pub struct Visible<W>(pub W);
 
 impl<W: Write> Write for Visible<W> {
@@ -89,7 +89,8 @@ fn shown(text: &str) -> String {
     shown
 }
 
-/// Control characters (C0, DEL, C1), and those that turn the direction of reading (Unicode Standard Annex 9) or end a line unseen.
+/// Returns true for control characters (C0, DEL, C1), and for those that change the direction of reading (Unicode Standard Annex 9) or end a line
+/// invisibly.
 fn is_hidden(c: char) -> bool {
     match c {
         '\n' | '\t' => false,

@@ -14,7 +14,7 @@ pub struct Marker {
 
 /// Board frame: origin at the board's upper left corner, x right, y down, in mm; the board is the plane z = 0.
 impl Definition {
-    /// The corners a calibration uses, by their number: the inner corners of a chessboard or ChArUco board row by row from the
+    /// Returns the corners a calibration uses, by their number: the inner corners of a chessboard or ChArUco board row by row from the
     /// upper left (OpenCV's numbering), of an AprilGrid the four corners of tag 0 (upper left, then clockwise), of tag 1, ….
     pub fn corners_mm(&self) -> Vec<[f64; 2]> {
         match self {
@@ -27,7 +27,7 @@ impl Definition {
         }
     }
 
-    /// The markers of a ChArUco board or the tags of an AprilGrid, by id from 0 up; a chessboard has none.
+    /// Returns the markers of a ChArUco board or the tags of an AprilGrid, by id from 0 up; a chessboard has none.
     pub fn markers(&self) -> Vec<Marker> {
         // Columns and rows of the markers, their side, the offset of the first one and the step from one to the next, mm.
         let (places, side, first, step): (Vec<[u32; 2]>, f64, f64, f64) = match self {

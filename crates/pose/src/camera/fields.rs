@@ -7,7 +7,7 @@ use serde::de::IgnoredAny;
 
 use super::{CameraFault, yaml};
 
-/// A value of a file.
+/// Value in a file.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(untagged)]
 pub(super) enum Value {
@@ -152,7 +152,7 @@ impl Fields {
     }
 }
 
-/// Returns rows and columns of a matrix: `rows` and `cols`, or [1, product of OpenCV 5's `sizes`].
+/// Returns rows and columns of a matrix: `rows` and `cols`, or 1 and the product of OpenCV 5's `sizes`.
 fn shape(matrix: &BTreeMap<String, Value>) -> Option<[f64; 2]> {
     let side = |name: &str| matrix.get(name).and_then(number);
     if let Some(sizes) = matrix.get("sizes") {

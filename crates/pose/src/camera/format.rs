@@ -20,7 +20,7 @@ pub enum CameraFormat {
 }
 
 impl CameraFormat {
-    /// Every format with the name a user gives it.
+    /// All formats with the names a user gives them.
     pub const ALL: [(CameraFormat, &str); 4] = [
         (CameraFormat::OpenCv, "opencv"),
         (CameraFormat::Ros, "ros"),
@@ -28,7 +28,7 @@ impl CameraFormat {
         (CameraFormat::Mrcal, "mrcal"),
     ];
 
-    /// The name a user gives the format.
+    /// Returns the name a user gives the format.
     pub fn name(self) -> &'static str {
         CameraFormat::ALL[self as usize].1
     }

@@ -93,7 +93,7 @@ impl Guess {
     }
 }
 
-/// A focal length in pixels and its bound in percent.
+/// Focal length in pixels, and the bound of its error in percent.
 type Focal = (f64, f64);
 
 impl Camera {

@@ -65,7 +65,7 @@ pub enum DistortionModel {
 }
 
 impl DistortionModel {
-    /// The coefficients' names, in OpenCV's order.
+    /// Returns the coefficients' names, in OpenCV's order.
     pub fn names(self) -> &'static [&'static str] {
         match self {
             DistortionModel::BrownConrady => &["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"],

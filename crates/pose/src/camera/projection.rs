@@ -107,7 +107,7 @@ impl Camera {
         }
     }
 
-    /// Returns the camera without lens distortion; [`Camera::pixel_of`] of [`Camera::point_at`] maps this camera's pixels to its pixels.
+    /// Returns the camera without lens distortion. [`Camera::pixel_of`] of [`Camera::point_at`] converts a pixel of this camera to one of that camera.
     pub(crate) fn straight(&self) -> Camera {
         Camera::pinhole(self.width, self.height, self.fx, self.fy, self.cx, self.cy)
     }
@@ -147,7 +147,7 @@ impl Camera {
         (p.z > 0.0 && x * x + y * y <= widest * widest).then_some([x, y])
     }
 
-    /// Returns the pixel of distorted coordinates at depth 1.
+    /// Returns the pixel of coordinates at depth 1, by the pinhole intrinsics alone.
     pub(crate) fn pixel_of(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [self.fx * x + self.cx, self.fy * y + self.cy]
     }

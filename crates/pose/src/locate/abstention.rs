@@ -10,7 +10,7 @@ use scaleproof_core::spelling::list;
 pub enum Abstention {
     #[error("no tag is visible: move back or uncover the tags")]
     NoTags,
-    /// No tag, or only part of one.
+    /// No tag is found, or only part of one, in a blurred photo.
     #[error(
         "no tag can be read, and no edge in the photo is sharper than a blur of {blur_px:.0} px: hold still, let it focus, or give it more light"
     )]

@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::scene::{Bin, Viewpoint};
 use scaleproof_core::geometry::Rigid;
 
-/// The other pose of a lone tag, and the bins that it may have been seen from.
+/// Alternative pose of a lone tag, and the bins in which the camera may be.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LoneTag {
     /// Best different pose, if there is one.

@@ -9,7 +9,7 @@ use super::Abstention;
 use crate::scene::{Scene, Tag};
 use crate::tags::SeenTag;
 
-/// Tag that was seen but not used for the pose.
+/// A tag that was seen but that the pose does not rest on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
 pub struct IgnoredTag {
     pub id: u32,
@@ -61,7 +61,7 @@ impl fmt::Display for Ignored {
     }
 }
 
-/// A tag of the scene together with where its corners were seen.
+/// Tag of the scene with the seen positions of its corners.
 #[derive(Debug, Clone)]
 pub(super) struct Match<'a> {
     pub tag: &'a Tag,

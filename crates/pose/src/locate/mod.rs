@@ -47,7 +47,7 @@ pub use solver::Solver;
 pub use sqpnp::sqpnp;
 pub use uncertainty::{SPREAD, Sigma, Uncertainty, bin_probability, expected_px2};
 
-/// A photo with a pose.
+/// Pose of a photo, with its viewpoint, bin and uncertainty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Located {
     /// `T_camera_model`: model frame to camera frame, mm.

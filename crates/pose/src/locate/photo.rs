@@ -13,7 +13,7 @@ use scaleproof_photo::photo::{Luma, Photo, PhotoError};
 pub struct LocatedPhoto {
     /// All tags that were found, including those that the scene lacks.
     pub seen: Vec<SeenTag>,
-    /// The camera as it fits this photo, or why it does not.
+    /// The camera fitted to this photo, or the reason why it does not fit.
     pub fitted: Result<FittedCamera, SizeError>,
     /// The pose, or the reason for abstaining.
     pub result: Result<Located, Abstention>,

@@ -24,7 +24,7 @@ pub enum Solver {
 }
 
 impl Solver {
-    /// Every solver, from the simplest to the default.
+    /// Returns every solver, from the simplest to the default.
     pub fn all() -> [Solver; 4] {
         use Solver::*;
         [BestTag, Sqpnp, SqpnpRefined, EveryBranch]

@@ -32,7 +32,7 @@ pub struct Bin {
 }
 
 impl Bin {
-    /// Azimuth, pitch and distance in whole thousandths, which can be compared.
+    /// Returns azimuth, elevation and distance in whole thousandths, which can be compared.
     fn key(&self) -> [i64; 3] {
         [self.azimuth_deg, self.pitch_deg, self.distance_mm].map(|v| (v * 1000.0).round() as i64)
     }

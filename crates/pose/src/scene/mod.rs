@@ -100,7 +100,7 @@ pub enum Paint {
     #[default]
     All,
     Materials(Vec<String>),
-    /// The triangles whose numbers this file lists; its path counts from the scene file's folder.
+    /// The triangles whose indices this file lists; its path is relative to the scene file's folder.
     Faces(PathBuf),
 }
 

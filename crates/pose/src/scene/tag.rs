@@ -98,12 +98,12 @@ pub struct Tag {
     pub sigma: Option<TagSigma>,
 }
 
-/// One standard deviation of a surveyed tag's pose, each in its worst direction.
+/// Uncertainty of a surveyed tag's pose, each in its worst direction.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TagSigma {
-    /// Of the centre, mm.
+    /// Standard deviation of the centre, mm.
     pub mm: f64,
-    /// Of the directions, degrees.
+    /// Standard deviation of the directions, degrees.
     pub deg: f64,
 }
 

@@ -19,7 +19,6 @@ impl Bins {
     /// default the usual one.
     ///
     /// # Errors
-    ///
     /// An elevation or distance that is the centre of no bin.
     pub fn photographed(&self, pitches_deg: &[f64], distances_mm: &[f64]) -> Result<Vec<Viewpoint>, NoSuchBin> {
         let usual = self.usual_view();

@@ -19,7 +19,7 @@ pub enum SimulatedFault {
     WrongId,
     /// A second tag has the id of one of the others.
     DuplicatedId,
-    /// One corner is off, as when it is covered and the detector does not notice.
+    /// One corner is displaced, as when it is covered and the detector does not notice.
     WrongCorner { px: f64 },
     /// Each tag is hidden with this probability.
     Hidden { share: f64 },

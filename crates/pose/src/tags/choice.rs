@@ -32,7 +32,7 @@ pub enum TagDetectorChoice {
 pub enum CornersBy {
     /// The fit common to all choices, so that they differ only in which tags they find.
     Fit,
-    /// The library that found the tag, OpenCV by `cornerSubPix`. For comparison: the yaw of one tag then differs by up to 1.5° between libraries.
+    /// The library that found the tag, OpenCV by `cornerSubPix`. For comparison: the yaw of a tag then differs by up to 1.5° between libraries.
     Library,
 }
 

@@ -23,7 +23,7 @@ pub struct ChartLight {
     pub error: f64,
     /// Each white's difference from the surface fitted without it, as a share of the light; the largest of its channels.
     pub off: Vec<f64>,
-    /// The chart's middle, which is half its size, mm.
+    /// Centre of the chart, mm: half its size.
     middle: [f64; 2],
     /// Coefficients per channel, in the order of [`terms`].
     coefficients: [Vec<f64>; 3],

@@ -54,7 +54,7 @@ impl PageSetup {
     }
 }
 
-/// One page and its areas (page frame).
+/// Page with its areas (page frame).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PageFrame {
     /// The paper as oriented: portrait or landscape.

@@ -36,7 +36,6 @@ impl Media {
     /// Checks that the paper is a cut sheet, for content that must lie on one.
     ///
     /// # Errors
-    ///
     /// A roll.
     pub fn check_is_cut(&self) -> Result<(), SheetError> {
         match self.paper {

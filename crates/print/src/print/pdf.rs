@@ -37,7 +37,7 @@ pub fn write(title: &str, sheets: &[Sheet]) -> Result<Vec<u8>, SheetError> {
         });
     }
     pdf.resources.xobjects.map = stamps.into_objects();
-    // No image optimisation: pixels must stay unchanged, and compression comes last.
+    // Nothing to optimise: images are external streams, and compression comes last.
     let options = PdfSaveOptions {
         image_optimization: None,
         ..PdfSaveOptions::default()

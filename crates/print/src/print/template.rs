@@ -90,10 +90,10 @@ impl TemplateRequest {
 /// Edge of the template that points to the model's front.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Front {
-    /// As on the model's left side.
+    /// Left edge, as on the model's left side.
     #[default]
     Left,
-    /// As on the model's right side.
+    /// Right edge, as on the model's right side.
     Right,
     Up,
     Down,

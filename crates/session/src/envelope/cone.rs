@@ -1,11 +1,11 @@
-//! Cutting a line at the edge of what a lens can see.
+//! Clipping of a line to a lens's field of view.
 
 use nalgebra::Point3;
 
-/// The part of a segment inside the cone x² + y² ≤ (R z)², z > 0 about the camera's axis, as two points at depth 1. Points in
-/// the camera frame.
+/// Returns the part of a segment inside the cone x² + y² ≤ (R z)², z > 0 about the camera's axis, as two points at depth 1. Points in the camera
+/// frame.
 ///
-/// The cone is convex, so there is one such part or none; it ends at roots of a quadratic in the segment's parameter.
+/// The cone is convex, so there is at most one such part; it ends at roots of a quadratic in the segment's parameter.
 pub fn part_inside(a: &Point3<f64>, b: &Point3<f64>, radius: f64) -> Option<[[f64; 2]; 2]> {
     let d = b - a;
     let squared = radius * radius;
@@ -26,20 +26,20 @@ pub fn part_inside(a: &Point3<f64>, b: &Point3<f64>, radius: f64) -> Option<[[f6
     let at_depth_1 = |t: f64| {
         let p = a + d * t;
         let (x, y) = (p.x / p.z, p.y / p.z);
-        // Rounding must not leave the end beyond the cone.
+        // Rounding must not leave the end outside the cone.
         let shrink = (radius / x.hypot(y)).min(1.0);
         (x.is_finite() && y.is_finite()).then_some([x * shrink, y * shrink])
     };
     Some([at_depth_1(part[0])?, at_depth_1(part[1])?])
 }
 
-/// Real roots of c2 t² + 2 c1 t + c0.
+/// Returns the real roots of c2 t² + 2 c1 t + c0.
 fn roots(c2: f64, c1: f64, c0: f64) -> Vec<f64> {
     let root = (c1 * c1 - c2 * c0).sqrt();
     if root.is_nan() {
         return Vec::new();
     }
-    // The form that does not subtract nearly equal numbers.
+    // The form without subtraction of nearly equal numbers.
     let q = -(c1 + root.copysign(c1));
     [q / c2, c0 / q].into_iter().filter(|t| t.is_finite()).collect()
 }

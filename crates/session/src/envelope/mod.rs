@@ -1,9 +1,9 @@
-//! The ground truth box of a photo: the model's envelope, projected through the pose and the lens, cut at the photo's border.
+//! Ground truth box of a photo: the model's envelope, projected through the pose and the lens, clipped to the photo's border.
 //!
-//! Three envelopes, from the smallest model up: the **box** of the model's size, the convex **hull** of its mesh, the **mesh** itself. A model
-//! that is wholly in the photo has the same truth box from hull and mesh, up to how distortion curves the hull's long
-//! edges. They differ at the photo's border, where the hull's box also holds what only bridges a hollow. `chart envelope` measures
-//! them; the scene chooses, and without a mesh it can only choose the box.
+//! Three envelopes, from the coarsest model up: the **box** of the model's size, the convex **hull** of its mesh, the **mesh** itself. A model that
+//! is wholly in the photo has the same box from hull and mesh, except that distortion curves the hull's long edges. They differ at the photo's
+//! border, where the hull's box also contains parts that only bridge a hollow. `chart envelope` measures the differences; the scene chooses, and
+//! without a mesh only the box is possible.
 //!
 //! Nothing hides the model: ground and tags are not subtracted, as in a simulator's box of the whole outline.
 
@@ -21,7 +21,7 @@ use scaleproof_pose::scene::{Envelope, ScaleModel};
 use scaleproof_surface::mesh::{Mesh, MeshError, MeshPlacement, is_gltf, propose_axes};
 use visible::Pieces;
 
-/// The mesh's box may differ from the scene's by this share of each side, as it may when panels are printed.
+/// Maximum difference between the mesh's box and the scene's, as a share of each side, as for printed panels.
 const TOLERANCE: f64 = 0.03;
 
 #[derive(Debug, thiserror::Error)]
@@ -35,12 +35,12 @@ pub enum EnvelopeError {
     )]
     NotTheModel {
         path: PathBuf,
-        /// From where to where, and how far the scene's model does.
+        /// Extent of the mesh along an axis, and that of the scene's model.
         reach: String,
     },
 }
 
-/// Why a photo with a pose has no truth box.
+/// Reason why a photo with a pose has no ground truth box.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoTruth {
     #[error("the camera is inside the model's box: step back")]
@@ -51,7 +51,7 @@ pub enum NoTruth {
     OutOfPhoto,
 }
 
-/// What is projected, in the model frame, mm. Made once, used for every photo.
+/// Shape to project, in the model frame, mm. Made once, used for every photo.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnvelopeShape {
     size_mm: [f64; 3],
@@ -60,18 +60,18 @@ pub struct EnvelopeShape {
 
 #[derive(Debug, Clone, PartialEq)]
 enum Shape {
-    /// Points, and the edges and triangles between them.
+    /// Points, with the edges and triangles between them.
     Surface {
         points: Vec<Point3<f64>>,
         edges: Vec<[usize; 2]>,
         triangles: Vec<[usize; 3]>,
     },
-    /// The convex hull of these points, computed in each photo: the hull of a projection is the projection of the hull.
+    /// Convex hull of these points, computed in each photo: the hull of a projection is the projection of the hull.
     Hull(Vec<Point3<f64>>),
 }
 
 impl EnvelopeShape {
-    /// The envelope that a scene names; `folder` is the scene file's, from which the mesh's path counts.
+    /// Loads the envelope that a scene names; `folder` is the scene file's, to which the mesh's path is relative.
     pub fn open(model: &ScaleModel, folder: &Path) -> Result<Self, EnvelopeError> {
         match &model.envelope {
             Envelope::Box => Ok(Self::of_box(model)),
@@ -84,7 +84,7 @@ impl EnvelopeShape {
         Self::surface(&Mesh::cuboid(model.size_mm), model)
     }
 
-    /// The convex hull of a mesh in the model frame.
+    /// Returns the convex hull of a mesh in the model frame.
     pub fn hull(mesh: &Mesh, model: &ScaleModel) -> Self {
         Self {
             size_mm: model.size_mm,
@@ -92,7 +92,7 @@ impl EnvelopeShape {
         }
     }
 
-    /// A mesh in the model frame as it is.
+    /// Returns a mesh in the model frame, unchanged.
     pub fn surface(mesh: &Mesh, model: &ScaleModel) -> Self {
         let triangles: Vec<_> = mesh.triangles().iter().map(|t| t.corners).collect();
         let sides = triangles.iter().flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]]);
@@ -109,8 +109,8 @@ impl EnvelopeShape {
         }
     }
 
-    /// The box around what the photo holds of the model. In pixels from the photo's corner, as detectors and COCO
-    /// count; [`Camera::project`] counts from the middle of the first pixel. `pose` is `T_camera_model`.
+    /// Returns the box around the part of the model in the photo. In pixels from the photo's corner, as detectors and COCO count; [`Camera::project`]
+    /// counts from the centre of the first pixel. `pose` is `T_camera_model`.
     pub fn box_in_photo(&self, pose: &Rigid, camera: &Camera) -> Result<BoxPx, NoTruth> {
         if self.holds(&pose.inverse_transform_point(&Point3::origin())) {
             return Err(NoTruth::InsideModel);
@@ -136,7 +136,7 @@ impl EnvelopeShape {
     }
 }
 
-/// The hull that the camera sees of some points in its frame: a polygon at depth 1, before the lens bends it.
+/// Returns the hull of points of the camera frame as a polygon at depth 1, before distortion.
 fn flat_hull(points: impl Iterator<Item = Point3<f64>>) -> Result<Pieces<'static>, NoTruth> {
     let flat = points.map(|p| (p.z > 0.0).then(|| [p.x / p.z, p.y / p.z]));
     let hull = convex_hull(flat.collect::<Option<_>>().ok_or(NoTruth::BeyondCamera)?);
@@ -148,8 +148,8 @@ fn flat_hull(points: impl Iterator<Item = Point3<f64>>) -> Result<Pieces<'static
     })
 }
 
-/// How a scene's mesh comes from its file into the model frame. Where the scene states the axes, and of a `.glb`, which is in metres of the
-/// full-size car as often as of the model, it is scaled to the scene's length and put on the ground; others are taken as they lie.
+/// Returns the placement of a scene's mesh from its file in the model frame. If the scene states the axes, or for a `.glb`, whose metres are the
+/// full-size car's as often as the model's, the mesh is scaled to the scene's length and put on the ground; other meshes keep their position.
 pub fn placement(path: &Path, model: &ScaleModel) -> MeshPlacement {
     let axes = model.mesh.axes;
     MeshPlacement {
@@ -159,7 +159,7 @@ pub fn placement(path: &Path, model: &ScaleModel) -> MeshPlacement {
     }
 }
 
-/// About a vehicle's mesh whose axes nobody has stated, where its shape says that it lies otherwise than its format does; with the file's name.
+/// Returns a sentence about a vehicle's mesh without stated axes whose shape suggests another orientation than its format; with the file's name.
 pub fn lies_otherwise(path: &Path, model: &ScaleModel) -> Option<String> {
     if model.mesh.axes.is_some() || !model.class.are_vehicles() {
         return None;
@@ -177,7 +177,7 @@ pub fn lies_otherwise(path: &Path, model: &ScaleModel) -> Option<String> {
     })
 }
 
-/// A mesh in the model frame by its [`placement`], held against the scene.
+/// Loads a mesh into the model frame by its [`placement`], and compares its size with the scene's.
 pub fn load(path: &Path, model: &ScaleModel) -> Result<Mesh, EnvelopeError> {
     let mesh = Mesh::load(path, &placement(path, model))?;
     let (low, high) = mesh.bounds_mm();

@@ -1,7 +1,7 @@
-//! The box around the visible part of some surface, exactly: edges as the lens bends them, cut at the photo's border.
+//! Exact box around the visible part of a surface: edges are distorted by the lens and clipped to the photo's border.
 //!
-//! The box of what is both in the photo and on the surface ends either on an edge of the surface or in a corner of the photo
-//! that the surface covers, so edges and corners are all that is looked at.
+//! The box of the surface's part in the photo ends either on an edge of the surface or in a corner of the photo that the surface covers, so only
+//! edges and corners are tested.
 
 use std::borrow::Cow;
 
@@ -12,23 +12,23 @@ use super::cone::part_inside;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_pose::camera::Camera;
 
-/// From the middle of a pixel to its corner.
+/// Distance from the centre of a pixel to its corner.
 const HALF_PX: f64 = 0.5;
-/// A chord may leave the bent edge it stands for by this much, px.
+/// Maximum distance between a chord and its distorted edge, px.
 const CHORD_ERROR_PX: f64 = 0.01;
-/// Longer chords are halved before their error is looked at.
+/// Length above which chords are halved without a test of their error.
 const CHORD_PX: f64 = 64.0;
-/// Halvings at most: 64 px times 2^20 is beyond every photo.
+/// Maximum number of halvings: 64 px times 2^20 is beyond every photo.
 const HALVINGS: u32 = 20;
 
-/// A surface in the camera frame, mm: points, the edges and the triangles between them.
+/// Surface in the camera frame, mm: points, and the edges and triangles between them.
 pub(super) struct Pieces<'a> {
     pub points: Vec<Point3<f64>>,
     pub edges: Cow<'a, [[usize; 2]]>,
     pub triangles: Cow<'a, [[usize; 3]]>,
 }
 
-/// The box around the part of the surface that is in the photo.
+/// Returns the box around the part of the surface that is in the photo.
 pub(super) fn box_of(pieces: &Pieces, camera: &Camera) -> Result<BoxPx, NoTruth> {
     let mut view = VisibleBox::new(camera);
     let pixels: Vec<_> = pieces.points.iter().map(|p| view.pixel(p)).collect();
@@ -55,16 +55,16 @@ fn at_depth_1(p: &Point3<f64>) -> [f64; 2] {
     [p.x / p.z, p.y / p.z]
 }
 
-/// What has been found in a photo so far.
+/// Box found in a photo so far.
 struct VisibleBox<'a> {
     camera: &'a Camera,
     photo: BoxPx,
-    /// The widest direction that projects.
+    /// Largest distance from the axis, at depth 1, that projects.
     radius: f64,
     found: Option<BoxPx>,
-    /// Part of the surface is out of the photo.
+    /// True if part of the surface is outside the photo.
     is_cut: bool,
-    /// Part of the surface is where the lens model says nothing.
+    /// True if part of the surface is beyond the lens model's range.
     is_cut_by_lens: bool,
 }
 
@@ -73,7 +73,7 @@ impl<'a> VisibleBox<'a> {
         Self {
             camera,
             photo: BoxPx::new(0.0, 0.0, f64::from(camera.width), f64::from(camera.height)),
-            // A hair inside, so that rounding leaves nothing beyond it.
+            // Slightly inside, so that rounding leaves nothing outside.
             radius: camera.widest_radius() * (1.0 - 1e-9),
             found: None,
             is_cut: false,
@@ -81,7 +81,7 @@ impl<'a> VisibleBox<'a> {
         }
     }
 
-    /// A point on the surface; one out of the photo only says that the surface is cut.
+    /// Adds a point on the surface; a point outside the photo only marks the surface as cut.
     fn add(&mut self, [x, y]: [f64; 2]) {
         if self.is_outside([x, y]) {
             self.is_cut = true;
@@ -96,7 +96,7 @@ impl<'a> VisibleBox<'a> {
         x < p.x1 || x > p.x2 || y < p.y1 || y > p.y2
     }
 
-    /// An edge of which an end cannot be projected.
+    /// Adds an edge with an end that cannot be projected.
     fn cut_edge(&mut self, a: &Point3<f64>, b: &Point3<f64>) {
         (self.is_cut, self.is_cut_by_lens) = (true, true);
         let Some([from, to]) = part_inside(a, b, self.radius) else {
@@ -107,18 +107,17 @@ impl<'a> VisibleBox<'a> {
         }
     }
 
-    /// Where a point of the camera frame is in the photo, counted as boxes are: from the photo's corner, not from the middle of its
-    /// first pixel.
+    /// Projects a point of the camera frame to the photo, counted as boxes are: from the photo's corner, not from the centre of its first pixel.
     fn pixel(&self, p: &Point3<f64>) -> Option<[f64; 2]> {
         self.camera.project(p).map(|pixel| pixel.map(|c| c + HALF_PX))
     }
 
-    /// Where a point (x, y) of the camera frame at depth 1 is in the photo, counted from the photo's corner.
+    /// Projects a point (x, y) of the camera frame at depth 1 to the photo, counted from the photo's corner.
     fn lensed(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
         self.pixel(&Point3::new(x, y, 1.0))
     }
 
-    /// An edge between two points at depth 1 and their pixels: straight before the lens, bent after it.
+    /// Adds an edge between two points at depth 1 with their pixels: straight before the lens, curved after it.
     fn bent(&mut self, a: ([f64; 2], [f64; 2]), b: ([f64; 2], [f64; 2]), halvings: u32) {
         let ((from, p), (to, q)) = (a, b);
         let chord = (q[0] - p[0]).hypot(q[1] - p[1]);
@@ -135,8 +134,8 @@ impl<'a> VisibleBox<'a> {
         self.bent((middle, m), b, halvings + 1);
     }
 
-    /// True when all of the edge is in the box already or beyond one side of the photo: a bent edge leaves its chord by less than half the
-    /// chord, as a semicircle does.
+    /// Returns true if all of the edge is in the box already or beyond one side of the photo: a curved edge deviates from its chord by less than half
+    /// the chord, as a semicircle does.
     fn adds_nothing(&self, p: [f64; 2], q: [f64; 2], chord: f64) -> bool {
         let (bend, photo) = (chord / 2.0, &self.photo);
         let lies = |x1: f64, y1: f64, x2: f64, y2: f64| {
@@ -151,7 +150,7 @@ impl<'a> VisibleBox<'a> {
             || lies(-far, photo.y2 + bend, far, far)
     }
 
-    /// The part of a chord inside the photo (Liang and Barsky 1984).
+    /// Adds the part of a chord inside the photo (Liang and Barsky 1984).
     fn straight(&mut self, p: [f64; 2], q: [f64; 2]) {
         let (photo, d) = (self.photo, [q[0] - p[0], q[1] - p[1]]);
         let (mut first, mut last) = (0.0_f64, 1.0_f64);
@@ -180,7 +179,7 @@ impl<'a> VisibleBox<'a> {
         }
     }
 
-    /// True when everything that the lens model says nothing about is out of the photo.
+    /// Returns true if everything beyond the lens model's range is outside the photo.
     fn lens_reaches_beyond_the_photo(&self) -> bool {
         const DIRECTIONS: u32 = 256;
         (0..DIRECTIONS).all(|i| {
@@ -190,7 +189,8 @@ impl<'a> VisibleBox<'a> {
         })
     }
 
-    /// Where the lens model has no direction for a corner, no surface can be there either, or it would have been cut by the lens.
+    /// Adds the photo's corners that the surface covers. A corner beyond the lens model's range is not covered, or the surface would have been cut by
+    /// the lens.
     fn add_covered_corners(&mut self, pieces: &Pieces) {
         let p = self.photo;
         for corner in [[p.x1, p.y1], [p.x2, p.y1], [p.x2, p.y2], [p.x1, p.y2]] {
@@ -206,7 +206,7 @@ impl<'a> VisibleBox<'a> {
     }
 }
 
-/// Whether a ray from the camera meets a triangle before it.
+/// Returns true if a ray from the camera hits a triangle in front of it.
 fn is_hit(ray: &Vector3<f64>, [a, b, c]: [Vector3<f64>; 3]) -> bool {
     let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| ray.dot(&p.cross(&q)));
     let normal = (b - a).cross(&(c - a));

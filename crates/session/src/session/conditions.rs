@@ -1,4 +1,4 @@
-//! Conditions of a photo that have no field of their own: the weather, the light, a simulator's angles. Kept as texts, to be grouped by.
+//! Conditions of a photo without a field of their own: the weather, the light, a simulator's angles. Stored as texts, for grouping.
 
 use std::collections::BTreeMap;
 
@@ -8,16 +8,16 @@ use serde_json::Value;
 /// Names and values, as `weather` and `rain`.
 pub type Conditions = BTreeMap<String, String>;
 
-/// Longer names are no names of conditions.
+/// Maximum length of a condition's name.
 const LONGEST_NAME: usize = 40;
 
-/// Whether a condition may have this name, so that it can be named on a command line.
+/// Returns true for a valid name of a condition, which can be given on a command line.
 pub fn is_name(name: &str) -> bool {
     let is_plain = |c: char| c.is_alphanumeric() || "_-. ".contains(c);
     (1..=LONGEST_NAME).contains(&name.chars().count()) && name.trim() == name && name.chars().all(is_plain)
 }
 
-/// A text, a number or a truth value as text; nothing of lists, objects and empty texts.
+/// Converts a text, a number or a truth value to text; `None` for lists, objects and empty texts.
 pub fn scalar(value: &Value) -> Option<String> {
     match value {
         Value::String(text) => Some(text.trim().to_owned()),

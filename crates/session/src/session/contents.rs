@@ -1,4 +1,4 @@
-//! What is in a session, in short.
+//! Summary of a session's contents.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,10 +9,10 @@ use scaleproof_core::spelling;
 use scaleproof_photo::photo::PhotoError;
 use scaleproof_pose::scene::{Classes, Scene, TagFamily};
 
-/// What became of a look at a photo: the SHA-256 of its file in hex, or why it cannot be read.
+/// Result of reading a photo: the SHA-256 of its file in hex, or why it cannot be read.
 pub type Look = Result<String, PhotoError>;
 
-/// So many groups of photos are listed; the rest is counted.
+/// Maximum number of listed groups of photos; the rest is counted.
 const MOST_GROUPS: usize = 16;
 
 /// A session in short, for people and programs.
@@ -44,10 +44,10 @@ pub struct SceneInShort {
     pub scale: f64,
     /// Length, width, height.
     pub size_mm: [f64; 3],
-    /// What truth boxes are drawn around: `box`, `hull` or `mesh`.
+    /// Envelope of the ground truth boxes: `box`, `hull` or `mesh`.
     pub truth_envelope: &'static str,
     pub bins: BinsInShort,
-    /// How many tags there are.
+    /// Number of tags.
     pub tags: usize,
     /// Families of the tags, by their usual names.
     pub tag_families: Vec<&'static str>,
@@ -55,7 +55,7 @@ pub struct SceneInShort {
 
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct BinsInShort {
-    /// How many bins there are.
+    /// Number of bins.
     pub count: usize,
     /// Step from one azimuth to the next.
     pub azimuth_deg: f64,
@@ -73,7 +73,7 @@ pub struct CameraInShort {
     /// Focal lengths.
     pub fx_px: f64,
     pub fy_px: f64,
-    /// How far a focal length that was guessed from EXIF may be off; `null` for a calibrated camera.
+    /// Bound of the error of a focal length that was guessed from EXIF, percent; `null` for a calibrated camera.
     pub guessed_within_percent: Option<f64>,
 }
 
@@ -83,7 +83,7 @@ pub struct PhotoGroup {
     pub variant: String,
     /// `null` where the session names none.
     pub place: Option<String>,
-    /// How many photos there are.
+    /// Number of photos.
     pub photos: usize,
 }
 
@@ -95,7 +95,7 @@ pub struct UnreadablePhoto {
 }
 
 impl Contents {
-    /// Of a session whose photos were looked at, in its order.
+    /// Summarises a session; `looks` are the results of reading its photos, in its order.
     pub fn of(session: &Session, looks: &[Look]) -> Contents {
         let mut groups: BTreeMap<(&str, Option<&str>), usize> = BTreeMap::new();
         for photo in &session.photos {
@@ -145,7 +145,7 @@ impl Contents {
         }
     }
 
-    /// On one screen. Groups that are not listed are counted, and `elsewhere` says where they stand.
+    /// Returns lines that fit on one screen. Groups that are not listed are counted, with `elsewhere` as the place that lists them.
     pub fn lines(&self, elsewhere: &str) -> Vec<String> {
         let (scene, groups, with_truth) = (&self.scene, &self.groups, self.with_truth);
         let [length, width, height] = scene.size_mm;
@@ -212,7 +212,7 @@ fn list(values: &[f64]) -> String {
     values.iter().map(f64::to_string).collect::<Vec<_>>().join(", ")
 }
 
-/// Photos that are byte for byte the same, in words.
+/// Returns a sentence about photos that are byte-for-byte copies, if there are any.
 pub fn copies(session: &Session, looks: &[Look]) -> Option<String> {
     let mut seen = BTreeSet::new();
     let looked = session.photos.iter().zip(looks);
@@ -225,7 +225,7 @@ pub fn copies(session: &Session, looks: &[Look]) -> Option<String> {
     ))
 }
 
-/// So many photos are copies, as a sentence.
+/// Returns a sentence about this number of copies.
 pub fn are_copies(count: usize) -> String {
     let (one, many) = (
         "is a byte-for-byte copy of another",

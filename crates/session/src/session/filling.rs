@@ -1,11 +1,11 @@
-//! Which run fills a session: one at a time, or the list of one would forget the photos of another.
+//! Lock of a session against concurrent runs: the list of one would overwrite the photos of another.
 
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use scaleproof_core::files::{self, FileError};
 
-/// Its lock says that a run is filling the session.
+/// Name of the lock file of the run that fills the session.
 pub const MARK: &str = ".capture.lock";
 
 #[derive(Debug, thiserror::Error)]
@@ -16,7 +16,7 @@ pub enum FillingError {
     File(#[from] FileError),
 }
 
-/// Keeps other runs out of a session's folder until the file is closed, at the latest with the process, however that ends.
+/// Locks a session's folder against other runs until the file is closed, at the latest at the end of the process.
 ///
 /// # Errors
 /// Another run is filling it; a folder that cannot be written.
@@ -33,7 +33,7 @@ pub fn locked(folder: &Path) -> Result<File, FillingError> {
     }
 }
 
-/// As [`locked`], where a run has ever filled the folder; nothing is made where none has.
+/// As [`locked`], if a run has ever filled the folder; otherwise nothing is created.
 ///
 /// # Errors
 /// As [`locked`].

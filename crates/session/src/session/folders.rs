@@ -1,4 +1,4 @@
-//! Folders of photos, one texture each, as a session: nothing is written, and the photos stay as they are.
+//! In-memory session of folders of photos, one texture each: nothing is written, and the photos stay unchanged.
 
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
@@ -7,16 +7,16 @@ use super::{PhotoEntry, Session, SessionError};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_photo::photo;
 
-/// Endings of the files that are taken for photos, in lower case.
+/// Lower-case endings of files read as photos.
 const READABLE: [&str; 3] = ["jpg", "jpeg", "png"];
-/// Endings of the files that are taken for photos where the system has a decoder for them, in lower case.
+/// Lower-case endings of files read as photos if the system has a decoder for them.
 const HEIF: [&str; 3] = ["heic", "heif", "avif"];
-/// Endings of images that are named when they are passed over.
+/// Endings of images that are reported when skipped.
 const OTHER_IMAGES: [&str; 15] = [
     "heic", "heif", "avif", "webp", "tif", "tiff", "bmp", "gif", "dng", "cr2", "cr3", "nef", "arw", "raf", "rw2",
 ];
 
-/// Why folders make no session.
+/// Reason why folders make no session.
 #[derive(Debug, thiserror::Error)]
 pub enum FoldersError {
     #[error(transparent)]
@@ -31,7 +31,7 @@ pub enum FoldersError {
     NoPhotos {
         variant: String,
         folder: PathBuf,
-        /// What it has instead, in brackets; or nothing.
+        /// Other content of the folder, in brackets; or empty.
         hint: String,
     },
     #[error("the folder {folder} is given twice: each photo counts once", folder = folder.display())]
@@ -47,12 +47,12 @@ fn given(variant: &str, folder: &Path) -> String {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PhotoFolder {
     pub variant: String,
-    /// Where they were taken, where it is another place than that of the other folders.
+    /// Place of the photos, if it differs from that of the other folders.
     pub place: Option<String>,
     pub folder: PathBuf,
 }
 
-/// What a folder of photos has, each sorted by name. Hidden files are passed over.
+/// Contents of a folder of photos, each sorted by name. Hidden files are skipped.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Listing {
     /// Names of JPEG and PNG files, by their ending.
@@ -69,16 +69,16 @@ pub struct Listed {
     pub listing: Listing,
 }
 
-/// A session that exists in memory only, and the folders it is made of.
+/// Session that exists only in memory, and the folders it is made of.
 #[derive(Debug, Clone)]
 pub struct Gathered {
-    /// Its folder is the closest one that holds all photos.
+    /// Session whose folder is the closest one that contains all photos.
     pub session: Session,
-    /// In the order they were given.
+    /// Folders in the order they were given.
     pub folders: Vec<Listed>,
 }
 
-/// Makes a session of folders: their photos in the order of the folders and by name, of `place` where a folder names none of its own.
+/// Makes a session of folders: their photos in the order of the folders and by name, with `place` for folders without a place of their own.
 pub fn gather(folders: &[PhotoFolder], scene: &Path, camera: &Path, place: &str) -> Result<Gathered, FoldersError> {
     let mut listed: Vec<Listed> = Vec::new();
     for folder in folders {
@@ -108,7 +108,7 @@ pub fn gather(folders: &[PhotoFolder], scene: &Path, camera: &Path, place: &str)
     Ok(Gathered { session, folders })
 }
 
-/// `folder/name`, and just the name for no folder.
+/// Returns `folder/name`, or just the name for no folder.
 pub(super) fn joined(folder: &str, name: &str) -> String {
     match folder {
         "" => name.to_owned(),
@@ -143,12 +143,12 @@ fn list(given: &PhotoFolder) -> Result<Listed, FoldersError> {
 }
 
 impl Listing {
-    /// Looks into a folder.
+    /// Lists a folder.
     pub fn of(folder: &Path) -> Result<Listing, FoldersError> {
         let mut listing = Listing::default();
         for entry in std::fs::read_dir(folder).map_err(|e| FileError::read(folder, &e))? {
             let path = entry.map_err(|e| FileError::read(folder, &e))?.path();
-            // What leads nowhere is neither a file nor a folder. With a photo's name it is a photo that cannot be read, or it would be missed by nobody.
+            // A broken link is neither a file nor a folder. With a photo's name it counts as an unreadable photo, or nobody would notice.
             let about = std::fs::metadata(&path).ok();
             let is_dir = about.as_ref().is_some_and(std::fs::Metadata::is_dir);
             let is_file = about.as_ref().is_some_and(std::fs::Metadata::is_file);
@@ -174,7 +174,7 @@ impl Listing {
         Ok(listing)
     }
 
-    /// What a folder without photos has instead, in brackets; empty where it has nothing.
+    /// Returns the other content of a folder without photos, in brackets; empty if there is none.
     pub fn instead(&self, folder: &Path) -> String {
         match (self.other_images.first(), self.folders.first()) {
             (Some(other), _) => format!(" (it has {other}{})", not_read(&folder.join(other))),
@@ -183,7 +183,7 @@ impl Listing {
         }
     }
 
-    /// A HEIC file beside a JPEG or PNG of its name is the same photo: it counts once.
+    /// Removes HEIC files beside a JPEG or PNG of the same name: both are one photo, counted once.
     fn drop_twins(&mut self) {
         let parts = |name: &str| {
             let (stem, ending) = name.rsplit_once('.').unwrap_or((name, ""));
@@ -205,7 +205,7 @@ impl Listing {
     }
 }
 
-/// What to do with an image that is not read, after its name; empty for one that would be read.
+/// Returns advice for an image that is not read, to follow its name; empty for one that would be read.
 pub fn not_read(path: &Path) -> String {
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     match ending.as_str() {
@@ -220,7 +220,7 @@ fn is_readable(ending: &str) -> bool {
     READABLE.contains(&ending) || (HEIF.contains(&ending) && photo::reads_heif())
 }
 
-/// The closest folder that all of these are, or lie in.
+/// Returns the closest folder that contains all of these or is one of them.
 fn common_folder(folders: &[Listed]) -> PathBuf {
     let mut paths = folders.iter().map(|found| found.real.as_path());
     let first = paths.next().unwrap_or(Path::new("")).to_owned();

@@ -1,4 +1,4 @@
-//! A stored set of photos: `session.json`, with the scene and the camera it names; or one made of folders of photos as they are.
+//! Stored set of photos: `session.json`, with the scene and the camera it names; or one made of folders of photos as they are.
 
 pub mod conditions;
 pub mod contents;
@@ -21,7 +21,7 @@ use scaleproof_pose::scene::{Scene, Viewpoint};
 pub use conditions::Conditions;
 pub use new::{NewSession, NewSessionError, files_below};
 
-/// Why a session could not be opened.
+/// Reason why a session could not be opened.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SessionError {
@@ -33,76 +33,76 @@ pub enum SessionError {
     Envelope(#[from] EnvelopeError),
 }
 
-/// A session with everything it refers to, except the photos' pixels.
+/// Session with everything it refers to, except the photos' pixels.
 #[derive(Debug, Clone)]
 pub struct Session {
-    /// The name of the session's folder.
+    /// Name of the session's folder.
     pub name: String,
-    /// Where its photos are named from.
+    /// Folder to which the photos' paths are relative.
     pub folder: PathBuf,
-    /// The mesh that the scene names, if any.
+    /// Path of the mesh that the scene names, if any.
     pub mesh_path: Option<PathBuf>,
-    /// Where the scene file lies.
+    /// Path of the scene file.
     pub scene_path: PathBuf,
-    /// Where the camera file lies.
+    /// Path of the camera file.
     pub camera_path: Option<PathBuf>,
     /// Model, tags and bins.
     pub scene: Scene,
-    /// What truth boxes are drawn around, as the scene says.
+    /// Shape of the ground truth boxes, by the scene's envelope.
     pub outline: EnvelopeShape,
-    /// Absent only when every photo carries its truth box and viewpoint.
+    /// Camera; absent only if every photo has its ground truth box and viewpoint.
     pub camera: Option<Camera>,
-    /// Whether a program drew the photos, and no camera took them.
+    /// True if a program rendered the photos, instead of a camera.
     pub rendered: bool,
-    /// In the order of the file.
+    /// Photos in the order of the file.
     pub photos: Vec<PhotoEntry>,
     /// File name and SHA-256 of `session.json`, the scene, its mesh and the camera file, for provenance.
     pub hashes: Vec<(String, String)>,
 }
 
-/// One photo of a session, as `session.json` tells it.
+/// Photo of a session, as listed in `session.json`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PhotoEntry {
     /// Path from the session's folder, as `a.jpg` or `../photos/a.jpg`.
     pub file: String,
-    /// The texture on the model; `normal` is the unpatterned one.
+    /// Texture on the model; `normal` is the unpatterned one.
     pub variant: String,
-    /// Where the photo was taken; photos of one place are not independent.
+    /// Place where the photo was taken; photos of one place are not independent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub place: Option<String>,
     /// RFC 3339 time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub taken: Option<String>,
-    /// Truth known from elsewhere (a simulator, say), instead of a box from the pose.
+    /// Known ground truth box (of a simulator, say), instead of one from the pose.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub box_xyxy_px: Option<BoxPx>,
-    /// Viewpoint known from elsewhere, instead of a pose from the tags.
+    /// Known viewpoint, instead of a pose from the tags.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub viewpoint: Option<Viewpoint>,
-    /// Weather, light and whatever else photos may be grouped by.
+    /// Weather, light and other conditions for grouping.
     #[serde(
         default,
         skip_serializing_if = "Conditions::is_empty",
         deserialize_with = "conditions::read"
     )]
     pub conditions: Conditions,
-    /// The frame of a video that it is, where it is one.
+    /// Frame of a video that the photo is, if any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame: Option<VideoFrame>,
 }
 
-/// Which frame of which video a photo is.
+/// Frame of a video that a photo was taken from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VideoFrame {
-    /// The video's name.
+    /// Name of the video.
     pub video: String,
     /// SHA-256 of the video, hex.
     pub sha256: String,
-    /// The frame's number in the order in which frames are shown, from 0.
+    /// Number of the frame in display order, from 0.
     pub number: u64,
-    /// When it is shown, s since the start of the video.
+    /// Display time, s since the start of the video.
     pub time_s: f64,
 }
 
@@ -131,7 +131,7 @@ impl Session {
         Session::parse(&files::read_text(&path)?, &path)
     }
 
-    /// Reads the text of a `session.json` that lies at `path`, and checks all but the photos.
+    /// Parses the text of the `session.json` at `path`, and checks all but the photos.
     fn parse(text: &str, path: &Path) -> Result<Session, SessionError> {
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
         let file: SessionFile = serde_json::from_str(text).map_err(|e| syntax(path, &e))?;
@@ -142,7 +142,7 @@ impl Session {
         Ok(Session { rendered, ..session })
     }
 
-    /// A session of these parts; `path` is what messages about the photos' list name, and `hashes` are of what else it was made of.
+    /// Assembles a session of these parts; `path` is named in messages about the list of photos, and `hashes` are those of its other sources.
     fn assembled(
         path: &Path,
         folder: &Path,
@@ -179,7 +179,7 @@ impl Session {
         })
     }
 
-    /// The camera, for what locates photos.
+    /// Returns the camera, for locating photos.
     ///
     /// # Errors
     /// The session names none.
@@ -189,13 +189,13 @@ impl Session {
         Ok(camera.ok_or_else(|| FileError::content(&self.folder, lack))?)
     }
 
-    /// The path of a photo.
+    /// Returns the path of a photo.
     pub fn photo_path(&self, entry: &PhotoEntry) -> PathBuf {
         self.folder.join(&entry.file)
     }
 }
 
-/// The text of a `session.json` at a place, of a scene and a camera file named from its folder. It is read back before it is returned.
+/// Returns the text of a `session.json` at a path, with scene and camera files relative to its folder. It is read back as a check.
 pub fn text(
     path: &Path,
     scene: &str,
@@ -221,7 +221,7 @@ fn syntax(path: &Path, e: &serde_json::Error) -> FileError {
 fn words(e: &serde_json::Error, what: &str) -> String {
     let text = e.to_string();
     match text.split(" at line ").next().unwrap_or(&text) {
-        // serde's own words for a list where an object belongs.
+        // serde's own message for a list in place of an object.
         inside if inside.contains("expected struct") => {
             format!("an object {{…}} with the keys of {what} belongs here")
         }
@@ -229,7 +229,7 @@ fn words(e: &serde_json::Error, what: &str) -> String {
     }
 }
 
-/// Checks the photos, and that each can be placed.
+/// Checks the list of photos, and that each can get a viewpoint.
 fn check(photos: &[PhotoEntry], has_camera: bool) -> Result<(), String> {
     if photos.is_empty() {
         return Err("it lists no photos".into());
@@ -290,8 +290,8 @@ fn check_photo(photo: &PhotoEntry) -> Result<(), String> {
     }
 }
 
-/// First up, if at all, then down to a file. Photos are only read, so that they may lie anywhere; what is written goes into the session's
-/// folder under names of its own.
+/// Returns true for a path that goes up, if at all, and then down to a file. Photos are only read, so they may be anywhere; written files go into the
+/// session's folder under names of their own.
 fn leads_from_folder(file: &str) -> bool {
     let parts = Path::new(file).components();
     let mut down = parts.skip_while(|part| *part == Component::ParentDir).peekable();

@@ -1,4 +1,4 @@
-//! A new session on disk: `session.json` with copies of the scene and the camera, of photos that stay where they are or are copied too.
+//! Creation of a session on disk: `session.json` with copies of the scene and the camera, for photos that stay in place or are copied too.
 
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
@@ -8,7 +8,7 @@ use super::{PhotoEntry, SessionError, SessionFile, syntax};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_pose::scene::Scene;
 
-/// Why no session was made.
+/// Reason why no session was made.
 #[derive(Debug, thiserror::Error)]
 pub enum NewSessionError {
     #[error(transparent)]
@@ -27,15 +27,15 @@ pub enum NewSessionError {
     MeshElsewhere { mesh: PathBuf },
 }
 
-/// What a session is made of, and where.
+/// Sources and folder of a new session.
 #[derive(Debug, Clone, Copy)]
 pub struct NewSession<'a> {
     pub folder: &'a Path,
-    /// From [`super::folders::gather`], with the scene and the camera below.
+    /// Photos by [`super::folders::gather`], with the scene and the camera below.
     pub photos: &'a Gathered,
     pub scene: &'a Path,
     pub camera: &'a Path,
-    /// Copies the photos into the session instead of naming them where they are.
+    /// True to copy the photos into the session instead of referring to them.
     pub copy: bool,
 }
 
@@ -47,8 +47,8 @@ enum Content {
 type Files = Vec<(PathBuf, Content)>;
 
 impl NewSession<'_> {
-    /// Writes the session, whole or not at all, and returns the path of its `session.json` and its photos. A folder that is there keeps what it has, and a session gets the photos
-    /// besides those that it has.
+    /// Writes the session, completely or not at all, and returns the path of its `session.json` and its photos. An existing folder keeps its files,
+    /// and an existing session gets the photos in addition to its own.
     ///
     /// # Errors
     /// Files in the way, photos that the session has already, a file that cannot be read or written.
@@ -116,7 +116,7 @@ impl NewSession<'_> {
             files::replace_atomically(self.folder, path, text.as_bytes())
         };
         if let Err(e) = write_all() {
-            // Copies that no list names would be taken for photos of nobody knows what.
+            // Copies that no list names would be unidentifiable.
             made.iter()
                 .for_each(|folder| drop(files::chosen::remove_folder(&home, folder)));
             return Err(e.into());
@@ -124,7 +124,7 @@ impl NewSession<'_> {
         Ok(list.photos)
     }
 
-    /// Into a folder that has files already.
+    /// Writes files into a folder that has files already.
     fn write_beside(&self, files: Files) -> Result<(), NewSessionError> {
         let mut contents = Vec::new();
         for (name, content) in files {
@@ -139,7 +139,7 @@ impl NewSession<'_> {
         Ok(files::replace_all_atomically(self.folder, &contents)?)
     }
 
-    /// The scene as the session names it: where it is when that is inside the session, else a copy with its mesh.
+    /// Returns the path of the scene in the session: its own if it is inside, else a copy with its mesh.
     fn scene(&self, home: &Path, files: &mut Files) -> Result<PathBuf, NewSessionError> {
         if let Some(inside) = inside(self.scene, home) {
             return Ok(inside);
@@ -163,7 +163,7 @@ impl NewSession<'_> {
         Ok(name)
     }
 
-    /// The photos where they are, by their way from the session; or copies in a folder each, called as the one they come from.
+    /// Returns the photos with paths relative to the session; or copies in one folder per source folder, with its name.
     fn photos(&self, home: &Path, files: &mut Files) -> Result<Vec<PhotoEntry>, NewSessionError> {
         let there = std::fs::read_dir(home).into_iter().flatten().flatten();
         let mut taken: BTreeSet<String> = there.map(|e| e.file_name().to_string_lossy().to_lowercase()).collect();
@@ -192,8 +192,8 @@ impl NewSession<'_> {
     }
 }
 
-/// The paths of a scene's mesh and of the list of its painted triangles from the scene's folder; without those that are named by their whole
-/// path, which stays valid.
+/// Returns the paths, relative to the scene's folder, of a scene's mesh and of the list of its painted triangles; absolute paths, which stay valid,
+/// are left out.
 ///
 /// # Errors
 /// A file beside or above the scene's folder, which a copy of the scene would not find.
@@ -206,7 +206,7 @@ pub fn files_below(scene: &Scene) -> Result<Vec<PathBuf>, PathBuf> {
     named.map(below).collect()
 }
 
-/// Whether nothing is there, or an empty folder.
+/// Returns true if the path does not exist, or is an empty folder.
 fn is_free(folder: &Path) -> Result<bool, FileError> {
     match std::fs::read_dir(folder) {
         Ok(mut entries) => Ok(entries.next().is_none()),
@@ -215,7 +215,7 @@ fn is_free(folder: &Path) -> Result<bool, FileError> {
     }
 }
 
-/// The whole path, without links, of a folder that need not exist yet.
+/// Returns the absolute path, without links, of a folder that need not exist yet.
 fn real_place(folder: &Path) -> Result<PathBuf, FileError> {
     let failed = |reason: String| FileError::Write {
         path: folder.to_owned(),
@@ -239,7 +239,7 @@ fn inside(file: &Path, home: &Path) -> Option<PathBuf> {
     real.strip_prefix(home).ok().map(Path::to_owned)
 }
 
-/// The relative path from one folder to another: up, then down. Both paths are absolute and without links.
+/// Returns the relative path from one folder to another: up, then down. Both paths are absolute and without links.
 pub fn path_between(from: &Path, to: &Path) -> PathBuf {
     let both = from.components().zip(to.components());
     let same = both.take_while(|(a, b)| a == b).count();
@@ -247,7 +247,7 @@ pub fn path_between(from: &Path, to: &Path) -> PathBuf {
     up.chain(to.components().skip(same)).collect()
 }
 
-/// A name that none of the taken ones is, however a file system counts letters: `photos`, `photos_2`, …
+/// Returns a name that is not taken, ignoring case: `photos`, `photos_2`, …
 pub fn free_name(name: &str, taken: &mut BTreeSet<String>) -> String {
     let numbered = (2..).map(|number| format!("{name}_{number}"));
     let mut names = std::iter::once(name.to_owned()).chain(numbered);

@@ -12,7 +12,7 @@ use crate::tags::{StartError, TagDetectorChoice};
 pub(super) struct Locus(Vec<(TagFamily, Detector)>);
 
 impl Locus {
-    /// For a result's provenance.
+    /// Version of locus-core, for a result's provenance.
     pub(super) const VERSION: &str = "0.10";
 
     /// Creates a detector for some families, with standard settings.

@@ -61,7 +61,7 @@ pub struct Legend<'a> {
 pub fn sheets(frame: &PageFrame, legend: &Legend, captions: &Captions) -> Vec<Sheet> {
     let Legend { painted, areas, .. } = *legend;
     let factor = (frame.usable.width_mm() / TABLE_MM).min(1.0);
-    // Two lines of headings, and the lines below the table.
+    // Heading, column heads, and the lines below the table.
     let rows = ((frame.usable.height_mm() / (ROW_MM * factor)).floor() as usize)
         .saturating_sub(4 + legend.notes.len())
         .max(1);

@@ -238,8 +238,8 @@ fn pieces(request: &LayoutRequest, cell_mm: f64, rim_mm: f64) -> Result<SheetLay
     Ok(made)
 }
 
-/// Returns the cuts of the panel along one axis: between cells, with equal numbers of them on all sheets up to one. Cells larger than a sheet are cut
-/// into `parts` equal parts.
+/// Returns the cuts of the panel along one axis: between cells, with numbers of cells per sheet that differ by at most one. Cells larger than a sheet
+/// are cut into `parts` equal parts.
 fn cuts(size_mm: f64, cell_mm: f64, most_mm: f64, parts: usize) -> Vec<f64> {
     // A tolerance of a millionth for sizes made to measure.
     let fit = (most_mm / cell_mm + 1e-6).floor();

@@ -45,7 +45,7 @@ pub struct Stencil {
     pub outer: Bounds,
 }
 
-/// The rules cannot be fulfilled; on whole cells of three times the minimum width this does not happen.
+/// Error for rules that cannot be fulfilled; on whole cells of three times the minimum width this does not happen.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("no stencil with features of {min_feature_mm} mm was found for this shape")]
 pub struct NoStencil {

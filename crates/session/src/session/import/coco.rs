@@ -1,4 +1,4 @@
-//! A COCO annotation file (cocodataset.org, "Data format", object detection): the boxes of the categories that count as the model.
+//! Import of COCO annotation files (cocodataset.org, "Data format", object detection): the boxes of the categories that count as the model.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -35,10 +35,10 @@ struct Attributes {
     other: BTreeMap<String, Value>,
 }
 
-/// Keys of COCO's images, and of this program's exports, that say nothing of the scene.
+/// Keys of COCO's images, and of this program's exports, that are not conditions.
 const NO_CONDITIONS: [&str; 5] = ["license", "flickr_url", "coco_url", "date_captured", "session"];
 
-/// What COCO has no word for.
+/// Fields of this program's own, beyond COCO.
 #[derive(Deserialize, Default, Clone)]
 struct About {
     variant: Option<String>,
@@ -48,7 +48,7 @@ struct About {
     distance_mm: Option<f64>,
 }
 
-/// Reads COCO's `images`, `annotations` and `categories`; a box of any label of `class` is the model's. An image or its annotation's `attributes`
+/// Parses COCO's `images`, `annotations` and `categories`; a box of any label of `class` is the model's. An image or its annotation's `attributes`
 /// may have `variant`, `place`, `azimuth_deg`, `pitch_deg` and `distance_mm`.
 pub fn parse(text: &str, class: &Classes) -> Result<ImportedRows, ImportFault> {
     let fault = |e: serde_json::Error| ImportFault::at(format!("line {}", e.line()), words(&e, "COCO annotations"));

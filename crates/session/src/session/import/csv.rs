@@ -1,4 +1,4 @@
-//! A table with a header, one photo a line.
+//! Import of a CSV table with a header and one photo per line.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::spelling;
 use scaleproof_pose::scene::Classes;
 
-/// The columns, in any order, all others being conditions; those after the seventh may be left out or empty, and so may `variant` and `place`.
+/// Columns, in any order; all others are conditions. Those after the seventh may be missing or empty, and so may `variant` and `place`.
 const COLUMNS: [&str; 10] = [
     "file",
     "variant",
@@ -26,9 +26,9 @@ const COLUMNS: [&str; 10] = [
 ];
 const NEEDED: [&str; 5] = ["file", "x1", "y1", "x2", "y2"];
 
-/// Reads a table with the header `file,variant,place,x1,y1,x2,y2,azimuth_deg,pitch_deg,distance_mm`, boxes in px; every box is the model's.
+/// Parses a table with the header `file,variant,place,x1,y1,x2,y2,azimuth_deg,pitch_deg,distance_mm`, boxes in px; every box is the model's.
 pub fn parse(text: &str, _: &Classes) -> Result<ImportedRows, ImportFault> {
-    // Spreadsheets mark UTF-8 with a byte order mark.
+    // Spreadsheet programs prefix UTF-8 with a byte order mark.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut reader = ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
     let header = reader.headers().map_err(|e| fault(e, text))?.clone();
@@ -49,7 +49,7 @@ pub fn parse(text: &str, _: &Classes) -> Result<ImportedRows, ImportFault> {
     Ok((rows, Vec::new()))
 }
 
-/// Where each of [`COLUMNS`] stands.
+/// Returns the index of each of [`COLUMNS`].
 fn columns(header: &StringRecord) -> Result<[Option<usize>; 10], ImportFault> {
     let wanted = COLUMNS.join(",");
     let mut places = BTreeMap::new();
@@ -71,7 +71,7 @@ fn columns(header: &StringRecord) -> Result<[Option<usize>; 10], ImportFault> {
     Ok(COLUMNS.map(|name| places.get(name).copied()))
 }
 
-/// Whether a column that is none of [`COLUMNS`] can be a condition, and not one of them misspelt.
+/// Returns true if a column besides [`COLUMNS`] can be a condition, and is not a misspelt one of them.
 fn is_condition(name: &str) -> bool {
     let is_near = |known: &&str| 3 * spelling::edits(&name.to_lowercase(), known) <= name.chars().count();
     is_name(name) && !COLUMNS.iter().any(is_near)
@@ -106,7 +106,7 @@ fn entry(
     })
 }
 
-/// The line on which a record begins: the reader counts from before the empty lines above it.
+/// Returns the line on which a record begins: the reader's position precedes the empty lines above it.
 fn line(position: &Position, text: &str) -> u64 {
     let rest = text.as_bytes().get(position.byte() as usize..).unwrap_or_default();
     let empty = rest.iter().take_while(|b| matches!(b, b'\n' | b'\r'));

@@ -1,8 +1,8 @@
-//! Photos whose truth is known from elsewhere (a simulator, an annotation tool, an old photo set) become a session: boxes and viewpoints from
-//! a COCO annotation file or a CSV, into a `session.json` beside the photos.
+//! Import of photos with known ground truth (of a simulator, an annotation tool, an old photo set) as a session: boxes and viewpoints from a COCO
+//! annotation file or a CSV, into a `session.json` beside the photos.
 //!
-//! The photos stay where and as they are. A session has one model in each photo, so a photo with several boxes of its class is
-//! refused, and one without any is left out and said.
+//! The photos stay unchanged in their place. A session has one model in each photo, so a photo with several boxes of its class is refused, and one
+//! without any is left out and reported.
 
 pub mod coco;
 pub mod csv;
@@ -29,7 +29,7 @@ pub enum SessionImportError {
     #[error("{path}, {place}: {message}", path = path.display())]
     Entry {
         path: PathBuf,
-        /// `line 3`, or `image 17`.
+        /// Place in the file: `line 3`, or `image 17`.
         place: String,
         message: String,
     },
@@ -39,47 +39,47 @@ pub enum SessionImportError {
     SessionThere { path: PathBuf },
 }
 
-/// What is imported, and where it belongs.
+/// Sources and destination of an import.
 #[derive(Debug, Clone, Copy)]
 pub struct ImportRequest<'a> {
-    /// The annotation file: `.json` or `.csv`.
+    /// Annotation file: `.json` or `.csv`.
     pub file: &'a Path,
-    /// The folder that holds the photos and gets the `session.json`.
+    /// Folder that contains the photos and gets the `session.json`.
     pub folder: &'a Path,
     pub scene: &'a Path,
-    /// Needed only when photos lack a viewpoint.
+    /// Camera file; needed only if photos lack a viewpoint.
     pub camera: Option<&'a Path>,
-    /// The texture of photos for which the file names none.
+    /// Texture of photos for which the file names none.
     pub variant: Option<&'a str>,
 }
 
 #[derive(Debug)]
 pub struct Imported {
-    /// Place and text of the `session.json`.
+    /// Path of the `session.json`; `text` is its content.
     pub path: PathBuf,
     pub text: String,
     pub session: Session,
-    /// Photos that the file names without a box of the model, as it names them.
+    /// Names of photos that the file lists without a box of the model.
     pub without_box: Vec<String>,
 }
 
-/// The photos of an annotation file, in its order, and the names of those without a box of the class.
+/// Photos of an annotation file, in its order, and the names of those without a box of the class.
 pub type ImportedRows = (Vec<ImportedPhoto>, Vec<String>);
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImportedPhoto {
-    /// Where it says so: `line 3`, or `image 17`.
+    /// Place in the file: `line 3`, or `image 17`.
     pub place: String,
-    /// Its variant is empty where the file names none.
+    /// Entry of the photo; its variant is empty if the file names none.
     pub entry: PhotoEntry,
-    /// Width and height in px, where the file states them.
+    /// Width and height in px, if the file states them.
     pub size: Option<[u32; 2]>,
 }
 
-/// What is wrong, and where in the file.
+/// Fault, with its place in the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImportFault {
-    /// Nothing when it concerns the whole file.
+    /// Place in the file; `None` if the fault concerns the whole file.
     pub place: Option<String>,
     pub message: String,
 }
@@ -134,7 +134,7 @@ pub fn import(request: &ImportRequest) -> Result<Imported, SessionImportError> {
         photos,
     };
     let text = file.to_json(&path)?;
-    // The reader's checks are the checks.
+    // The reader's checks apply.
     let session = Session::parse(&text, &path)?;
     Ok(Imported {
         path,
@@ -152,7 +152,7 @@ fn error(path: &Path, fault: ImportFault) -> SessionImportError {
     }
 }
 
-/// The photos of some rows, each held against its file.
+/// Checks each row's photo against its file.
 fn checked(rows: Vec<ImportedPhoto>, request: &ImportRequest) -> Result<Vec<PhotoEntry>, SessionImportError> {
     let mut seen = HashSet::new();
     let mut photos = Vec::new();
@@ -182,7 +182,7 @@ fn checked(rows: Vec<ImportedPhoto>, request: &ImportRequest) -> Result<Vec<Phot
     Ok(photos)
 }
 
-/// The photo is there, as large as the file says, and the box is in it.
+/// Checks that the photo exists, has the size that the file states, and contains the box.
 fn check_against_photo(entry: &PhotoEntry, size: Option<[u32; 2]>, folder: &Path) -> Result<(), String> {
     let file = &entry.file;
     let photo = photo::Photo::open(&folder.join(file)).map_err(|e| e.to_string())?;
@@ -204,19 +204,19 @@ fn check_against_photo(entry: &PhotoEntry, size: Option<[u32; 2]>, folder: &Path
     }
 }
 
-/// Farther than rounding a box to whole pixels explains.
+/// Returns true if a box exceeds the photo by more than its rounding to whole pixels.
 fn reaches_out(b: BoxPx, width: u32, height: u32) -> bool {
     const ROUNDING_PX: f64 = 1.0;
     b.x1.min(b.y1) < -ROUNDING_PX || b.x2 > f64::from(width) + ROUNDING_PX || b.y2 > f64::from(height) + ROUNDING_PX
 }
 
-/// A path as a file in `folder` may name it: relative to the folder when it lies below, else whole.
+/// Returns a path as a file in `folder` may name it: relative if it lies below the folder, else absolute.
 fn seen_from(folder: &Path, path: &Path) -> Result<PathBuf, FileError> {
     let (folder, path) = (files::whole_path(folder)?, files::whole_path(path)?);
     Ok(path.strip_prefix(&folder).map(Path::to_owned).unwrap_or(path))
 }
 
-/// The three numbers of a viewpoint: all or none.
+/// Converts the three numbers of a viewpoint: all or none.
 fn viewpoint(numbers: [Option<f64>; 3]) -> Result<Option<Viewpoint>, String> {
     match numbers {
         [None, None, None] => Ok(None),
