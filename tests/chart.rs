@@ -69,7 +69,7 @@ fn total<'a>(steps: impl IntoIterator<Item = &'a stability::SweepStep>) -> (usiz
     (views, answered / views.max(1) as f64, wrong / answered.max(1.0))
 }
 
-/// 14 conditions, from harmless to hopeless, on 8,400 simulated views.
+/// 14 conditions, from harmless to hopeless, on 21,000 simulated views.
 #[test]
 fn swept_views_are_right_or_refused() {
     let session = Session::open(&skyline()).unwrap();
@@ -77,12 +77,12 @@ fn swept_views_are_right_or_refused() {
         &session.scene,
         session.known_camera().unwrap(),
         &[Solver::default()],
-        (100, 7),
+        (250, 7),
         || {},
     );
     println!("{}", stability::summary(&steps));
     let (views, _, wrong) = total(&steps);
-    assert!(views >= 8_000, "{views} views");
+    assert!(views >= 20_000, "{views} views");
     // Half of what is allowed, since another seed has a few more.
     assert!(
         wrong <= 0.0005,
@@ -95,7 +95,7 @@ fn swept_views_are_right_or_refused() {
         .find(|step| step.sweep == "tilt_of_a_single_tag" && step.amount == 0.0)
         .unwrap();
     assert!(
-        frontal.views > 80 && frontal.answered < 0.5 && frontal.silently_wrong == 0.0,
+        frontal.views > 200 && frontal.answered < 0.5 && frontal.silently_wrong == 0.0,
         "{frontal:?}"
     );
     // The sweeps reach where it breaks: what cannot be known is refused.
@@ -103,11 +103,11 @@ fn swept_views_are_right_or_refused() {
     assert!(weakest < 0.5, "nothing was driven until it broke");
 }
 
-/// Seven ways to spoil the stored photos, every fourth of them.
+/// Seven ways to spoil the stored photos, every second of them.
 #[test]
 fn spoiled_photos_are_right_or_refused() {
     let (session, samples) = samples();
-    let samples: Vec<PhotoSample> = samples.into_iter().skip(1).step_by(4).collect();
+    let samples: Vec<PhotoSample> = samples.into_iter().skip(1).step_by(2).collect();
     let detectors = [TagDetectorChoice::default()];
     let steps = stability::on_photos(
         &samples,
@@ -135,8 +135,8 @@ fn spoiled_photos_are_right_or_refused() {
 #[test]
 fn no_finder_answers_more_spoiled_photos_than_the_default() {
     let (session, samples) = samples();
-    let spoiled = stability::spoiled(&samples[..4], &session.scene, 4, 5).unwrap();
-    assert_eq!(spoiled.len(), 16);
+    let spoiled = stability::spoiled(&samples[..8], &session.scene, 4, 5).unwrap();
+    assert_eq!(spoiled.len(), 32);
     let camera = session.known_camera().unwrap();
     // Viewpoints of those that are answered.
     let answers = |choice: &TagDetectorChoice| -> Vec<(Viewpoint, Viewpoint)> {
@@ -149,7 +149,7 @@ fn no_finder_answers_more_spoiled_photos_than_the_default() {
         spoiled.iter().filter_map(&mut answer).collect()
     };
     let by_default = answers(&TagDetectorChoice::default());
-    assert!(by_default.len() < 16, "some are hopeless");
+    assert!(by_default.len() < 32, "some are hopeless");
     for (view, truth) in &by_default {
         assert!(!is_silently_wrong(view, truth, &session.scene), "{view:?} {truth:?}");
     }
