@@ -47,7 +47,7 @@ exit 101 ;;"#;
     assert_eq!(
         called.split_whitespace().collect::<Vec<_>>(),
         [
-            "fmt", "clippy", "fmt", "clippy", "clippy", "clippy", "doc", "test", "test", "test"
+            "fmt", "clippy", "fmt", "clippy", "clippy", "doc", "test", "test", "test"
         ]
     );
     let slow = &said[said.find("the slowest parts").unwrap_or_else(|| panic!("{said}"))..];
