@@ -103,10 +103,14 @@ const PASSED_OVER: [InPlace; 4] = [
 ];
 
 /// Commands that take seconds: each name is tried with one thing in its place.
-const SLOW: [&str; 7] = [
+const SLOW: [&str; 11] = [
+    "advise",
     "attack baseline camou",
     "attack demo",
+    "attack evaluate",
     "attack photos",
+    "chart capture",
+    "chart locate",
     "chart stability",
     "print wrap",
     "session from-video",
