@@ -48,10 +48,6 @@ fn plan(encoder: Encoder, depth: usize, transformer: Transformer) -> TrainingPla
     }
 }
 
-fn trainer(plan: TrainingPlan) -> Trainer {
-    Trainer::new(plan)
-}
-
 /// The network's model of the first stored view.
 fn first_view(trainer: &Trainer) -> DtnView {
     let set = stored();
@@ -187,7 +183,7 @@ fn every_architecture_starts_alive_and_learns() {
     for encoder in Encoder::ALL {
         for depth in 2..=4 {
             for transformer in Transformer::ALL {
-                let mut trainer = trainer(plan(encoder, depth, transformer));
+                let mut trainer = Trainer::new(plan(encoder, depth, transformer));
                 names.insert(trainer.network().architecture.name());
                 let view = first_view(&trainer);
                 for share in [0.5, 1.0] {
@@ -220,7 +216,7 @@ fn training_lowers_the_error_on_an_unseen_view() {
     let set = training_set(96);
     assert_eq!((set.training.len(), set.validation.len()), (1, 1), "{}", set.split);
     for transformer in Transformer::ALL {
-        let mut trainer = trainer(plan(Encoder::ResNet, 2, transformer));
+        let mut trainer = Trainer::new(plan(Encoder::ResNet, 2, transformer));
         let start = trainer.validate(&set).validation_mse.unwrap();
         train(
             &mut trainer,
@@ -243,7 +239,7 @@ fn training_lowers_the_error_on_an_unseen_view() {
 fn the_view_slope_is_a_finite_difference() {
     let set = training_set(96);
     for transformer in Transformer::ALL {
-        let mut trainer = trainer(plan(Encoder::DenseNet, 3, transformer));
+        let mut trainer = Trainer::new(plan(Encoder::DenseNet, 3, transformer));
         for _ in 0..30 {
             trainer.step(&set).unwrap();
         }
@@ -279,9 +275,9 @@ fn going_on_is_as_if_it_had_not_stopped() {
     let path = folder.path().join("network.dtn");
     let set = training_set(96);
     let plan = plan(Encoder::ResNet, 3, Transformer::Texture);
-    let mut whole = trainer(plan.clone());
+    let mut whole = Trainer::new(plan.clone());
     train(&mut whole, &set, TrainingBudget::Epochs(12), &path, |_, _| ()).unwrap();
-    let mut first = trainer(plan);
+    let mut first = Trainer::new(plan);
     train(&mut first, &set, TrainingBudget::Epochs(7), &path, |_, _| ()).unwrap();
     let mut second = file::load(&path).unwrap();
     assert_eq!(second.steps, 7);

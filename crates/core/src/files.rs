@@ -285,7 +285,7 @@ pub fn folder_of(path: &Path) -> &Path {
         .unwrap_or(Path::new("."))
 }
 
-/// Whether a name is one under which this program writes a file or fills a folder.
+/// Returns true for a name under which this program writes a file or fills a folder until it is whole.
 pub fn is_temporary(name: &str) -> bool {
     staged::name_of(name).is_some()
 }

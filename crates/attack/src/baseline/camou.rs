@@ -136,7 +136,7 @@ fn sigmoid(x: f64) -> f64 {
     1.0 / (1.0 + (-x).exp())
 }
 
-/// What the network sees of a pattern: channel by channel, about 0.
+/// The input of the network for a pattern: channel by channel, about 0.
 fn input(cells: &[Rgb]) -> Vec<f32> {
     let channel = |c: usize| cells.iter().map(move |cell| cell[c] as f32 - 0.5);
     (0..3).flat_map(channel).collect()

@@ -14,9 +14,9 @@ const LAYERS: [[usize; 2]; 4] = [[27, 16], [144, 32], [32 * 9, 32], [32, 1]];
 #[derive(Debug, Serialize, Deserialize)]
 struct Course {
     losses: Vec<f32>,
-    /// Of the first step, by weights and biases of each layer: every so many.
+    /// Gradient of the first step's loss by weights and biases of each layer: a sample of its numbers.
     by_weights: Vec<f32>,
-    /// Of the first step's loss, by the first pattern.
+    /// Gradient of the first step's loss by the first pattern.
     by_pattern: Vec<f32>,
     /// After three steps: every so many.
     weights: Vec<f32>,

@@ -12,7 +12,7 @@ use std::path::{Component, Path};
 
 use super::{FileError, inputs};
 
-/// What lies at a place itself, whatever it leads to.
+/// Looks at what lies at a place itself, and not at what a link there leads to.
 fn at(path: &Path) -> Option<Metadata> {
     std::fs::symlink_metadata(path).ok()
 }
@@ -65,18 +65,20 @@ pub fn folder(home: &Path, folder: &Path) -> Result<(), FileError> {
 pub fn remove(home: &Path, path: &Path) -> Result<(), FileError> {
     check(home, path)?;
     inputs::refuse(path)?;
-    match std::fs::remove_file(path) {
-        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(FileError::write(path, &e)),
-        _ => Ok(()),
-    }
+    gone(path, std::fs::remove_file(path))
 }
 
 /// Removes a folder of this program's with all that lies in it, if it is there and no input lies in it.
 pub fn remove_folder(home: &Path, folder: &Path) -> Result<(), FileError> {
     check_folder(home, folder)?;
     inputs::refuse_below(folder)?;
-    match std::fs::remove_dir_all(folder) {
-        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(FileError::write(folder, &e)),
+    gone(folder, std::fs::remove_dir_all(folder))
+}
+
+/// The end of a removal, which may find nothing to remove.
+fn gone(path: &Path, removed: std::io::Result<()>) -> Result<(), FileError> {
+    match removed {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(FileError::write(path, &e)),
         _ => Ok(()),
     }
 }

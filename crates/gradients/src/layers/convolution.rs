@@ -81,6 +81,18 @@ impl<T: Number> Convolution<T> {
         });
     }
 
+    /// The windows of a tile as a matrix of one window a column: the image itself where that is it, else laid out in `columns`.
+    fn windows_of<'a>(&self, image: &'a [T], tile: &Tile, columns: &'a mut Vec<T>) -> Matrix<'a, T> {
+        if self.is_pointwise() {
+            let area = self.windows.area();
+            return Matrix::rows(&image[tile.group * self.group_channels() * area..], area);
+        }
+        let size = tile.rows.len() * self.windows.count[1];
+        columns.resize(self.inner() * size, T::ZERO);
+        self.lay_out(image, tile, columns);
+        Matrix::rows(columns, size)
+    }
+
     /// The transpose of [`Convolution::lay_out`].
     fn put_back(&self, columns: &[T], tile: &Tile, image: &mut [T]) {
         self.each_line(tile, |place, at, count| {
@@ -140,13 +152,7 @@ impl<T: Number> Convolution<T> {
         let mut columns = Vec::new();
         for tile in self.tiles() {
             let size = tile.rows.len() * w.count[1];
-            let images = if self.is_pointwise() {
-                Matrix::rows(&image[tile.group * self.group_channels() * area..], area)
-            } else {
-                columns.resize(self.inner() * size, T::ZERO);
-                self.lay_out(image, &tile, &mut columns);
-                Matrix::rows(&columns, size)
-            };
+            let images = self.windows_of(image, &tile, &mut columns);
             let (at, weights) = (self.output(&tile), self.weights_of(tile.group));
             let sides = [self.group_outputs(), size, self.inner()];
             multiply((&mut output[at..], area, true), weights, images, sides);

@@ -5,7 +5,9 @@ use std::sync::Arc;
 use scaleproof_core::workers;
 
 use super::convolution::{LearntConvolution, convolution};
-use super::{Activation, Array, Back, Layer, Moved, Operation, Pairwise, Sums, Weights, Windows, owned, vectorised};
+use super::{
+    Activation, Array, Back, Layer, Moved, Operation, Pairwise, Sums, Weights, Windows, last_uses, owned, vectorised,
+};
 
 /// What derivatives are by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -198,14 +200,16 @@ impl Network {
         let mut values: Vec<Array> = vec![Array::default(); self.slots];
         values[self.image.slot] = Arc::new(image);
         let mut backs = Vec::with_capacity(self.steps.len());
-        for (i, step) in self.steps.iter().enumerate() {
-            let inputs = step.inputs.iter().map(|slot| values[*slot].clone()).collect();
-            let later = &self.steps[i + 1..];
-            let is_done = |slot: &&usize| !later.iter().any(|step| step.inputs.contains(slot));
-            // What nobody else reads, a layer may write over.
-            let done = step.inputs.iter().filter(is_done);
-            done.for_each(|slot| values[*slot] = Array::default());
-            let (output, back) = step.layer.forward(inputs, keeps);
+        let last_uses = last_uses(self.steps.iter().map(|step| &step.inputs[..]), []);
+        for (step, last_uses) in self.steps.iter().zip(&last_uses) {
+            let taken = |slot: &usize| {
+                if last_uses.contains(slot) {
+                    std::mem::take(&mut values[*slot])
+                } else {
+                    values[*slot].clone()
+                }
+            };
+            let (output, back) = step.layer.forward(step.inputs.iter().map(taken).collect(), keeps);
             values[step.output] = output;
             backs.push(back);
         }

@@ -18,6 +18,7 @@ pub mod separate;
 pub mod transposed;
 pub mod windows;
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 pub use activation::{Activation, Each, sigmoid};
@@ -64,6 +65,25 @@ impl<T: Number> Sums<'_, T> {
     pub fn sum_mut(&mut self, input: usize, count: usize) -> &mut [T] {
         self.all[self.slots[input]].get_or_insert_with(|| vec![T::ZERO; count])
     }
+}
+
+/// For each step, by the slots that it reads: those that no later step and none of `needed` reads, so that a layer may write over what they hold. A
+/// slot that a step reads twice is none of them.
+pub fn last_uses<'a>(
+    reads: impl DoubleEndedIterator<Item = &'a [usize]>,
+    needed: impl IntoIterator<Item = usize>,
+) -> Vec<BTreeSet<usize>> {
+    let mut needed: BTreeSet<usize> = needed.into_iter().collect();
+    let last_of = |read: &[usize]| {
+        let is_read_once = |slot: &&usize| read.iter().filter(|other| other == slot).count() == 1;
+        let last = read.iter().filter(is_read_once).filter(|slot| !needed.contains(slot));
+        let last = last.copied().collect();
+        needed.extend(read);
+        last
+    };
+    let mut uses: Vec<BTreeSet<usize>> = reads.rev().map(last_of).collect();
+    uses.reverse();
+    uses
 }
 
 /// Runs a loop compiled for the widest vectors of this processor. What is more than a loop implements `pulp::WithSimd`, since the compiler

@@ -10,7 +10,7 @@ pub struct MaxPool(pub Windows);
 
 /// The larger of a number and what is largest so far, with its place. What is not a number stays.
 #[inline(always)]
-fn keep_larger<T: Number>((largest, place): (&mut T, &mut u32), (number, at): (T, u32)) {
+fn keep_larger<T: Number>(largest: &mut T, place: &mut u32, number: T, at: u32) {
     let is_larger = number > *largest || (number == *largest && at < *place) || number.is_nan();
     *largest = if is_larger { number } else { *largest };
     *place = if is_larger { at } else { *place };
@@ -39,7 +39,7 @@ impl<T: Number> pulp::WithSimd for Channel<'_, T> {
                 let numbers = self.numbers[y * columns..][..columns].iter().copied();
                 let to = of_columns.iter_mut().zip(&mut their_places);
                 to.zip(numbers.zip((y * columns) as u32..))
-                    .for_each(|(to, number)| keep_larger(to, number));
+                    .for_each(|((largest, place), (number, at))| keep_larger(largest, place, number, at));
             }
             largest.fill(T::LEAST);
             places.fill(u32::MAX);
@@ -47,7 +47,7 @@ impl<T: Number> pulp::WithSimd for Channel<'_, T> {
                 let (inside, first) = w.inside(1, tap);
                 for (i, at) in inside.enumerate() {
                     let x = first + i * w.stride[1];
-                    keep_larger((&mut largest[at], &mut places[at]), (of_columns[x], their_places[x]));
+                    keep_larger(&mut largest[at], &mut places[at], of_columns[x], their_places[x]);
                 }
             }
         }

@@ -80,7 +80,7 @@ impl<'a> Resize<'a> {
     }
 
     /// `new × old` weights, row-major.
-    fn weights<T: Number>(&self, old: usize, (new, scale): (usize, f32)) -> Vec<T> {
+    fn weights<T: Number>(&self, old: usize, new: usize, scale: f32) -> Vec<T> {
         let mut weights = vec![T::ZERO; new * old];
         for (at, row) in weights.chunks_exact_mut(old).enumerate() {
             let source = self.source(at, scale, old, new);
@@ -104,16 +104,19 @@ impl<'a> Resize<'a> {
 
     fn run<T: Number>(&self, graph: &mut Graph<T>, inputs: &Inputs<T>) -> Result<Term<T>> {
         let (x, [images, channels, rows, columns]) = inputs.planes(0)?;
-        let new = self.target([rows, columns], inputs)?;
-        if new[0].0 == 0 || new[1].0 == 0 || rows == 0 || columns == 0 {
+        let [(new_rows, down), (new_columns, across)] = self.target([rows, columns], inputs)?;
+        if new_rows == 0 || new_columns == 0 || rows == 0 || columns == 0 {
             return Err("it resizes to or from nothing".into());
         }
-        bounded([images, channels, new[0].0.max(rows), new[1].0.max(columns)])?;
-        bounded([new[0].0, rows])?;
-        bounded([new[1].0, columns])?;
-        let weights = [self.weights(rows, new[0]), self.weights(columns, new[1])];
+        bounded([images, channels, new_rows.max(rows), new_columns.max(columns)])?;
+        bounded([new_rows, rows])?;
+        bounded([new_columns, columns])?;
+        let weights = [
+            self.weights(rows, new_rows, down),
+            self.weights(columns, new_columns, across),
+        ];
         let layer = Separate::new(images * channels, [rows, columns], weights);
-        graph.layer(layer, &[x], vec![images, channels, new[0].0, new[1].0])
+        graph.layer(layer, &[x], vec![images, channels, new_rows, new_columns])
     }
 }
 

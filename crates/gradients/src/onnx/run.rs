@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::term::{IMAGE, NEVER_COMPUTED, Numbers, Result, Slot};
-use crate::layers::{Activation, Back, Layer, Moved, Number, Sums};
+use crate::layers::{Activation, Back, Layer, Moved, Number, Sums, last_uses};
 
 /// Where in a tensor computed indices point.
 pub(super) type Places = dyn Fn(&[i64]) -> Result<Vec<usize>> + Send + Sync;
@@ -104,26 +104,19 @@ impl<T: Number> Plan<T> {
         slots: usize,
         read: impl IntoIterator<Item = Slot>,
     ) -> Plan<T> {
-        let (mut needed, mut last_uses) = (BTreeSet::from_iter(read), Vec::new());
+        let outputs = BTreeSet::from_iter(read);
+        let mut needed = outputs.clone();
         steps.reverse();
         steps.retain(|step| {
             let is_needed = needed.contains(&step.output);
             if is_needed {
-                // What the step itself reads twice is needed after the first time.
-                let is_read_once = |slot: &&Slot| step.inputs.iter().filter(|other| other == slot).count() == 1;
-                let last = step
-                    .inputs
-                    .iter()
-                    .filter(is_read_once)
-                    .filter(|slot| !needed.contains(slot));
-                last_uses.push(last.copied().collect());
                 needed.extend(&step.inputs);
             }
             is_needed
         });
         steps.reverse();
-        last_uses.reverse();
         constants.retain(|(slot, _)| needed.contains(slot));
+        let last_uses = last_uses(steps.iter().map(|step| &step.inputs[..]), outputs);
         Plan {
             steps,
             last_uses,

@@ -1,6 +1,7 @@
 //! What ffmpeg says, and what a video says through it.
 
 use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
@@ -34,14 +35,20 @@ fn frames(path: &std::path::Path) -> Vec<(u64, f64)> {
         .collect()
 }
 
+/// A film without metadata.
+fn greys(folder: &Path) -> PathBuf {
+    let path = folder.join("plain.mp4");
+    ffmpeg(
+        &["-f", "lavfi", "-i", GREYS, "-c:v", "libx264", "-preset", "ultrafast"],
+        &path,
+    );
+    path
+}
+
 #[test]
 fn neither_a_film_s_name_nor_its_metadata_is_taken_for_ffmpeg_s_words() {
     let folder = tempfile::tempdir().unwrap();
-    let plain = folder.path().join("plain.mp4");
-    ffmpeg(
-        &["-f", "lavfi", "-i", GREYS, "-c:v", "libx264", "-preset", "ultrafast"],
-        &plain,
-    );
+    let plain = greys(folder.path());
     let expected = frames(&plain);
     assert_eq!(expected.len(), 50);
     for (index, text) in TEXTS.iter().enumerate() {
@@ -84,11 +91,7 @@ fn what_is_damaged_is_still_named_without_the_way_that_ffmpeg_got_it() {
 #[test]
 fn the_rest_of_a_long_line_is_no_line() {
     let folder = tempfile::tempdir().unwrap();
-    let plain = folder.path().join("plain.mp4");
-    ffmpeg(
-        &["-f", "lavfi", "-i", GREYS, "-c:v", "libx264", "-preset", "ultrafast"],
-        &plain,
-    );
+    let plain = greys(folder.path());
     let expected = frames(&plain);
     // At each place where the line may be cut.
     for before in 4096 - 32..4096 - 24 {

@@ -14,7 +14,7 @@ use super::others;
 use super::parity::{FOLLOWED, numbers, photo, photos};
 use crate::common::{shared, variable};
 
-/// So many numbers of each output and of the gradient.
+/// Count of the numbers that are stored of each output and of the gradient.
 const SAMPLED: usize = 120;
 /// Rows of a list of boxes that are looked at: further down near equals change places.
 const ROWS: usize = 8;

@@ -42,13 +42,7 @@ impl Convolution<f32> {
         let mut columns = Vec::new();
         for tile in self.tiles() {
             let size = tile.rows.len() * w.count[1];
-            let images = if self.is_pointwise() {
-                Matrix::rows(&image[tile.group * self.group_channels() * area..], area)
-            } else {
-                columns.resize(self.inner() * size, 0.0);
-                self.lay_out(image, &tile, &mut columns);
-                Matrix::rows(&columns, size)
-            };
+            let images = self.windows_of(image, &tile, &mut columns);
             let outputs = Matrix::rows(&gradient[self.output(&tile)..], area);
             let of_group = &mut weights[tile.group * self.group_outputs() * self.inner()..];
             let sides = [self.group_outputs(), self.inner(), size];
