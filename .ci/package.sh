@@ -23,7 +23,7 @@ stop() { printf 'error: %s\n' "$*" >&2; exit 2; }
 # shellcheck source=.ci/carried.sh
 . "$home/.ci/carried.sh"
 
-version=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
+version=$(sed -n '/^version = / { s/.*"\(.*\)"/\1/p; q }' Cargo.toml)
 name="scaleproof-$version-$(uname -m)-linux"
 folder=${asked:-$home/out/package/$name}
 [ -n "$asked" ] || rm -rf "$home/out/package/$name"

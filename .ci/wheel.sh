@@ -15,7 +15,7 @@ stop() { printf 'error: %s\n' "$*" >&2; exit 2; }
 
 module="$CARGO_TARGET_DIR/release/libscaleproof_python.so"
 [ -e "$module" ] || stop "there is no $module: ./run wheel builds it"
-version=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
+version=$(sed -n '/^version = / { s/.*"\(.*\)"/\1/p; q }' Cargo.toml)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 package="$work/scaleproof" licences="$work/scaleproof-$version.dist-info/licenses"

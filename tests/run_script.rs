@@ -34,6 +34,12 @@ test score::a ... ok <0.900s>
 test score::b ... FAILED <31.250s>
 test score::c ... ignored, needs the shared material
 test result: FAILED. 1 passed; 1 failed; 1 ignored; 0 measured; 0 filtered out; finished in 31.26s
+     Running tests/pose.rs (target/release/deps/pose-1)
+running 4000 tests
+SAID
+for number in $(seq 4000); do echo "test photos::one_of_more_than_fits_in_a_pipe_$number ... ok <0.001s>"; done
+cat <<'SAID'
+test result: ok. 4000 passed; 0 failed; 0 ignored; 0 measured; 0 filtered out; finished in 4.00s
      Running tests/rig.rs (target/release/deps/rig-1)
 running 4 tests
 test d ... ok <4.000s>
