@@ -2,7 +2,7 @@
 #![allow(dead_code)] // each target uses its part
 
 // The file itself: the crate `capture` would bring a web server and camera drivers into every target.
-#[path = "../crates/capture/src/capture/live/jpegs.rs"]
+#[path = "../crates/capture/src/live/jpegs.rs"]
 mod jpegs;
 
 use std::path::{Path, PathBuf};
@@ -15,16 +15,16 @@ use scaleproof_detect::{
     InputPlacement, Labels, Manifest, OutsideResults, PhotoName, ProgramSpec, Recorded, ResultsRequest,
     darknet_contents_to_onnx, preprocessed, protocol,
 };
-use scaleproof_frames::frames::FrameSet;
-use scaleproof_frames::frames::import::import as import_frames;
-use scaleproof_photo::photo::Photo;
+use scaleproof_frames::FrameSet;
+use scaleproof_frames::import::import as import_frames;
+use scaleproof_photo::Photo;
 use scaleproof_pose::board::Definition;
 use scaleproof_pose::camera::{Camera, CameraFormat};
 use scaleproof_pose::scene::{Classes, Scene};
-use scaleproof_print::print::printer::PrinterFile;
-use scaleproof_score::score::shard::{self, Run, Shard, ShardId};
-use scaleproof_session::session::Session;
-use scaleproof_session::session::import;
+use scaleproof_print::printer::PrinterFile;
+use scaleproof_score::shard::{self, Run, Shard, ShardId};
+use scaleproof_session::Session;
+use scaleproof_session::import;
 use scaleproof_surface::mesh::{Mesh, MeshPlacement};
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::palette::Palette;

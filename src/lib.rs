@@ -31,25 +31,25 @@ mod cli;
 pub use scaleproof_core::files::FileError;
 pub use scaleproof_core::geometry::{BoxPx, Rigid};
 pub use scaleproof_detect::{DetectError, Detection, Manifest, ManifestError, Speeds, WeightFolders, WeightsError};
-pub use scaleproof_photo::photo::{Luma, Photo, PhotoError};
+pub use scaleproof_photo::{Luma, Photo, PhotoError};
 pub use scaleproof_pose::camera::{Camera, CameraError, CameraFormat, FittedCamera, SizeError};
 pub use scaleproof_pose::locate::{Abstention, Located, LocatedPhoto, Sigma, Warning, locate, locate_photo};
 pub use scaleproof_pose::scene::{Bin, Bins, Classes, Envelope, ScaleModel, Scene, Tag, TagFamily, Viewpoint};
 pub use scaleproof_pose::tags::{
     CornersBy, ExpectedTag, SeenTag, StartError, StillMissing, TagDetector, TagDetectorChoice,
 };
-pub use scaleproof_print::print::SheetError;
-pub use scaleproof_print::print::media::Media;
-pub use scaleproof_print::print::paper::{Orientation, Paper, Stock};
-pub use scaleproof_print::print::pdf::write as write_pdf;
-pub use scaleproof_print::print::printer::Printer;
-pub use scaleproof_print::print::template::{Front, LayoutRequest, Template, TemplateError, TemplateRequest, template};
+pub use scaleproof_print::SheetError;
+pub use scaleproof_print::media::Media;
+pub use scaleproof_print::paper::{Orientation, Paper, Stock};
+pub use scaleproof_print::pdf::write as write_pdf;
+pub use scaleproof_print::printer::Printer;
+pub use scaleproof_print::template::{Front, LayoutRequest, Template, TemplateError, TemplateRequest, template};
 pub use scaleproof_score::report::{ReportError, summary_table, write as write_report};
-pub use scaleproof_score::score::{
+pub use scaleproof_score::{
     ApDefinition, Cache, CompareError, Comparison, Criteria, EvaluatedDetector, EvaluatedDetectorError, NotScored,
     Options, Protocol, ScoreError, ScoredPhoto, Scores, compare, score,
 };
-pub use scaleproof_session::session::{Conditions, PhotoEntry, Session, SessionError};
+pub use scaleproof_session::{Conditions, PhotoEntry, Session, SessionError};
 pub use scaleproof_surface::pattern::{Pattern, PatternError};
 
 #[cfg(feature = "full")]
@@ -57,8 +57,8 @@ pub use {
     scaleproof_attack::run::augmentation::Eot,
     scaleproof_attack::run::view_set::{TextureMapping, ViewSet},
     scaleproof_attack::run::{Attack, AttackConfig, CellColours, RunError},
-    scaleproof_frames::frames::{FrameSet, FramesError},
     scaleproof_frames::surrogate::projection::Grid,
+    scaleproof_frames::{FrameSet, FramesError},
     scaleproof_gradients::{Boxes, WhiteBox, WhiteBoxError, detector::OnnxDetector},
 };
 

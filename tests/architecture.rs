@@ -193,8 +193,8 @@ fn home_of(modules: &Modules, exported: &BTreeMap<Module, Module>, item: &Module
     }
 }
 
-/// Pairs of modules of one crate that use each other. A `mod.rs` and its children may.
-fn two_file_circles(modules: &Modules) -> Vec<String> {
+/// The files of its crate that each file uses: by its paths, and by what it exports again. A name counts for the file that defines it.
+fn uses(modules: &Modules) -> BTreeMap<&Module, BTreeSet<Module>> {
     let mut named = Vec::new();
     for (module, code) in modules {
         for (path, is_exported) in paths_named(code) {
@@ -211,95 +211,70 @@ fn two_file_circles(modules: &Modules) -> Vec<String> {
             (module.iter().cloned().chain(name).collect(), item.clone())
         });
     let exported: BTreeMap<Module, Module> = exported.collect();
-    let uses: BTreeSet<(&Module, Module)> = named
-        .iter()
-        .filter_map(|(module, item, _)| Some((*module, home_of(modules, &exported, item)?)))
-        .collect();
-    let circle =
-        |(a, b): &&(&Module, Module)| *a < b && a[0] == b[0] && !b.starts_with(a) && uses.contains(&(b, (*a).clone()));
-    let circles = uses.iter().filter(circle);
-    circles
-        .map(|(a, b)| format!("{} and {}", a.join("/"), b.join("/")))
-        .collect()
+    let mut uses: BTreeMap<&Module, BTreeSet<Module>> = BTreeMap::new();
+    for (module, item, _) in &named {
+        if let Some(used) = home_of(modules, &exported, item).filter(|used| used != *module) {
+            uses.entry(module).or_default().insert(used);
+        }
+    }
+    uses
+}
+
+/// The strongly connected components of more than one file: files of which each reaches all others through what it uses.
+fn circles(modules: &Modules) -> Vec<String> {
+    let uses = uses(modules);
+    let reached = |from: &Module| -> BTreeSet<Module> {
+        let (mut open, mut seen) = (vec![from.clone()], BTreeSet::new());
+        while let Some(file) = open.pop() {
+            let used = uses.get(&file).into_iter().flatten();
+            open.extend(used.filter(|used| seen.insert((*used).clone())).cloned());
+        }
+        seen
+    };
+    let reached: BTreeMap<&Module, BTreeSet<Module>> = modules.keys().map(|file| (file, reached(file))).collect();
+    let circle = |file: &&Module| -> Vec<String> {
+        let is_in = |other: &&Module| reached[file].contains(*other) && reached[*other].contains(*file);
+        modules.keys().filter(is_in).map(|file| file.join("/")).collect()
+    };
+    let circles: BTreeSet<Vec<String>> = modules.keys().map(|file| circle(&file)).collect();
+    circles.iter().filter(|files| !files.is_empty()).map(|files| files.join(", ")).collect()
 }
 
 #[test]
-fn no_two_files_of_a_crate_use_each_other() {
-    let circles = two_file_circles(&modules());
+fn no_files_of_a_crate_use_each_other_in_a_circle() {
+    let circles = circles(&modules());
     assert!(circles.is_empty(), "these use each other:\n{}", circles.join("\n"));
 }
 
-/// The rooms of a crate, which are the folders and files directly below its `src`, that reach themselves through others.
-fn room_circles(modules: &Modules) -> Vec<String> {
-    let mut uses: BTreeMap<Module, BTreeSet<Module>> = BTreeMap::new();
-    for (module, code) in modules.iter().filter(|(module, _)| module.len() > 1) {
-        for (path, _) in paths_named(code) {
-            let Some(item) = from_root(modules, module, &path) else {
-                continue;
-            };
-            let is_room = item.len() > 1 && modules.contains_key(&item[..2]);
-            if is_room && item[0] == module[0] && item[1] != module[1] {
-                uses.entry(module[..2].to_vec()).or_default().insert(item[..2].to_vec());
-            }
-        }
-    }
-    let reaches_itself = |room: &&Module| {
-        let (mut open, mut seen) = (vec![(*room).clone()], BTreeSet::new());
-        while let Some(next) = open.pop() {
-            open.extend(
-                uses.get(&next)
-                    .into_iter()
-                    .flatten()
-                    .filter(|used| seen.insert((*used).clone()))
-                    .cloned(),
-            );
-        }
-        seen.contains(*room)
-    };
-    uses.keys().filter(reaches_itself).map(|room| room.join("/")).collect()
-}
-
 #[test]
-fn no_room_of_a_crate_uses_itself_through_others() {
-    assert_eq!(room_circles(&modules()), [""; 0]);
-    let of = |files: &[(&str, &str)]| -> Modules {
-        let module = |(path, code): &(&str, &str)| (path.split('/').map(str::to_owned).collect(), (*code).to_owned());
-        files.iter().map(module).collect()
-    };
-    let circle = of(&[
-        ("k", ""),
-        ("k/a", "use crate::b::B;"),
-        ("k/b", "use crate::c;"),
-        ("k/c", "fn f() { super::a::run() }"),
-    ]);
-    assert_eq!(room_circles(&circle), ["k/a", "k/b", "k/c"]);
-}
-
-#[test]
-fn a_circle_is_found_through_exports_and_a_parent_with_its_children_is_none() {
+fn circles_are_found_through_exports_and_through_files_that_export_and_define() {
     let of = |files: &[(&str, &str)]| -> Modules {
         let module = |(path, code): &(&str, &str)| (path.split('/').map(str::to_owned).collect(), code_of(code));
         files.iter().map(module).collect()
     };
-    let parent = ("k/room", "mod a;\nmod b;\npub use a::{A, Other};\nfn f() { b::run() }");
+    let three = of(&[
+        ("k", ""),
+        ("k/a", "use crate::b::B;"),
+        ("k/b", "use crate::c;"),
+        ("k/c", "fn f() { super::a::run() }"),
+        ("k/d", "use crate::a;"),
+    ]);
+    assert_eq!(circles(&three), ["k/a, k/b, k/c"]);
+    let facade = ("k/room", "mod a;\nmod b;\npub use a::{A, Other};\npub use b::B;");
     let through_export = of(&[
-        parent,
-        ("k/room/a", "use super::b::B;"),
-        ("k/room/b", "use super::{\n    A,\n    C,\n};"),
+        facade,
+        ("k/room/a", "use super::B;"),
+        ("k/room/b", "use super::{\n    A,\n};"),
     ]);
-    assert_eq!(two_file_circles(&through_export), ["k/room/a and k/room/b"]);
-    let inline = of(&[
-        parent,
-        ("k/room/a", "fn f() { super::b::run() }"),
-        ("k/room/b", "use crate::room::a;"),
-    ]);
-    assert_eq!(two_file_circles(&inline), ["k/room/a and k/room/b"]);
+    assert_eq!(circles(&through_export), ["k/room/a, k/room/b"]);
+    let defines = ("k/room", "mod a;\npub use a::A;\npub struct C;");
+    assert_eq!(circles(&of(&[defines, ("k/room/a", "use super::C;")])), ["k/room, k/room/a"]);
     let none = of(&[
-        parent,
-        ("k/room/a", "use super::C; // super::b\n#[cfg(test)]\nuse super::b;"),
-        ("k/room/b", "use super::{A, C};"),
+        facade,
+        ("k/room/a", "// super::b\n#[cfg(test)]\nuse super::b;"),
+        ("k/room/b", "use super::A;"),
     ]);
-    assert_eq!(two_file_circles(&none), [""; 0]);
+    assert_eq!(circles(&none), [""; 0]);
 }
 
 /// What only one place may do, and the files that may.
@@ -313,7 +288,7 @@ const ONE_PLACE: [(&str, &[&str]); 7] = [
     ("eprintln!", &["src/cli/full/capture/page.rs"]),
     (" println!", &[]),
     // Every image is measured before it is decoded: those of a stream by their headers; this one the program has made itself.
-    ("ImageReader", &["crates/capture/src/capture/live/pixels.rs"]),
+    ("ImageReader", &["crates/capture/src/live/pixels.rs"]),
     ("load_from_memory", &["crates/study/src/chart/spoil.rs"]),
 ];
 
@@ -353,7 +328,7 @@ fn files_are_changed_by_one_door() {
     ];
     let is_below = |module: &Module| module.starts_with(&["core".to_owned(), "files".to_owned()]);
     // HEIC photos are decoded by a program in a temporary folder.
-    let is_new_folder = |module: &Module| module.join("/") == "photo/photo/heif";
+    let is_new_folder = |module: &Module| module.join("/") == "photo/heif";
     for (module, code) in modules() {
         if is_below(&module) || is_new_folder(&module) {
             continue;

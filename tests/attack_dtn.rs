@@ -9,9 +9,8 @@ use std::process::Stdio;
 use common::{assert_refused, home, program, read_json, stdout};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
-use scaleproof_frames::frames::FrameSet;
-use scaleproof_frames::frames::light;
-use scaleproof_frames::frames::views;
+use scaleproof_frames::FrameSet;
+use scaleproof_frames::light;
 use scaleproof_frames::surrogate::dtn::data::TrainingSet;
 use scaleproof_frames::surrogate::dtn::run::{TrainingBudget, train};
 use scaleproof_frames::surrogate::dtn::trained::DtnView;
@@ -19,6 +18,7 @@ use scaleproof_frames::surrogate::dtn::training::{Trainer, TrainingPlan};
 use scaleproof_frames::surrogate::dtn::transformer::Maps;
 use scaleproof_frames::surrogate::dtn::{Architecture, Encoder, Transformer, file};
 use scaleproof_frames::surrogate::renderer::Renderer;
+use scaleproof_frames::views;
 
 const GREY: [u8; 3] = [128; 3];
 

@@ -10,9 +10,9 @@ use std::path::{Path, PathBuf};
 use std::process::Output;
 
 use common::{assert_refused, home, program, read_json, shared, stderr, stdout};
-use scaleproof_frames::frames::FrameSet;
-use scaleproof_frames::frames::light;
-use scaleproof_session::session::Session;
+use scaleproof_frames::FrameSet;
+use scaleproof_frames::light;
+use scaleproof_session::Session;
 use scaleproof_surface::pattern::Pattern;
 
 /// Length, width, height of the test's model.

@@ -10,10 +10,10 @@ use std::sync::Arc;
 use common::{assert_refused, home, program, read_json, shared, stdout};
 use nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
-use scaleproof_frames::frames::FrameSet;
-use scaleproof_frames::frames::import::carla::{Transform, pose};
-use scaleproof_frames::frames::light;
-use scaleproof_frames::frames::render::{RenderPaint, RenderPlan, RenderRequest};
+use scaleproof_frames::FrameSet;
+use scaleproof_frames::import::carla::{Transform, pose};
+use scaleproof_frames::light;
+use scaleproof_frames::render::{RenderPaint, RenderPlan, RenderRequest};
 use scaleproof_pose::scene::Viewpoint;
 use scaleproof_surface::mesh::{Mesh, MeshPlacement, doubled_area};
 use scaleproof_surface::pattern::Pattern;
@@ -343,7 +343,7 @@ fn the_plan_has_every_key_that_the_script_reads() {
         .push(RenderPaint::Texture("t".into(), Arc::new(texture)));
     let plan = RenderPlan::new(request).unwrap();
     let script = plan.to_script(&plan.everything(), Path::new("raw"));
-    let source = std::fs::read_to_string(home().join("crates/frames/src/frames/render/render_frames.py")).unwrap();
+    let source = std::fs::read_to_string(home().join("crates/frames/src/render/render_frames.py")).unwrap();
     let first = |v: &serde_json::Value| v.as_object().unwrap().values().next().unwrap().clone();
     let objects = [
         ("plan", script.clone()),

@@ -9,7 +9,7 @@ use std::process::Output;
 
 use common::{assert_refused, program, shared, stdout};
 use image::{GrayImage, RgbImage};
-use scaleproof_frames::frames::FrameSet;
+use scaleproof_frames::FrameSet;
 
 /// Vehicle and camera as such scripts write them: x, y, z, pitch, yaw, roll.
 const VEHICLE: [f64; 6] = [30.0, -7.0, 0.5, 0.0, 90.0, 0.0];

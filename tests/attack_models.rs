@@ -8,14 +8,14 @@ use common::{assert_refused, home, program, read_json};
 use image::{Rgb, RgbImage};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg32;
-use scaleproof_frames::frames::light;
-use scaleproof_frames::frames::views;
-use scaleproof_frames::frames::{Frame, FrameSet};
+use scaleproof_frames::light;
 use scaleproof_frames::surrogate::additive::Additive;
 use scaleproof_frames::surrogate::chart::mse;
 use scaleproof_frames::surrogate::projection::world::{self, Misplacement};
 use scaleproof_frames::surrogate::projection::{Grid, Projection, repeated};
 use scaleproof_frames::surrogate::renderer::{ClosedForm, FlatImage, PerPixel, Renderer, Tone};
+use scaleproof_frames::views;
+use scaleproof_frames::{Frame, FrameSet};
 
 fn stored() -> FrameSet {
     FrameSet::open(&home().join("captures/skyline_frames")).unwrap()

@@ -24,10 +24,10 @@ use scaleproof_attack::run::{
     Attack, AttackConfig, CellColours, Near, Rgb, RunError, batch, loss_and_gradient, of_image, of_pattern, to_image,
 };
 use scaleproof_core::geometry::BoxPx;
-use scaleproof_frames::frames::light;
-use scaleproof_frames::frames::{FrameSet, encode_grey, encode_positions, encode_rgb, views};
+use scaleproof_frames::light;
 use scaleproof_frames::surrogate::projection::Grid;
 use scaleproof_frames::surrogate::projection::world::{self, Misplacement};
+use scaleproof_frames::{FrameSet, encode_grey, encode_positions, encode_rgb, views};
 use scaleproof_gradients::{Boxes, ForwardPass, ImageLoss, MEETS_IOU, Prediction, WhiteBox, WhiteBoxError, strongest};
 use scaleproof_photo::defence::{Defence, Frame};
 use scaleproof_surface::pattern::Pattern;
@@ -1297,8 +1297,7 @@ fn patches_lie_where_they_are_put() {
         let part =
             |p: usize| points[((i / width) * factor + p / factor) * width * factor + (i % width) * factor + p % factor];
         let all: Vec<_> = (0..factor * factor).map(part).collect();
-        let roof =
-            |p: &scaleproof_frames::frames::SurfacePoint| p.side == Some(Side::Roof) && p.place_mm[0].abs() < 49.0;
+        let roof = |p: &scaleproof_frames::SurfacePoint| p.side == Some(Side::Roof) && p.place_mm[0].abs() < 49.0;
         // Seen from above with the front up, the model's left is on the left.
         if all.iter().all(|p| roof(p) && p.place_mm[1] > 1.0) {
             assert_eq!(*colour, [1.0, 0.0, 0.0]);

@@ -11,9 +11,9 @@ use std::time::{Duration, Instant};
 use common::{HANG, assert_refused, program, read_json, skyline, stdout};
 use image::{Rgb, RgbImage};
 use live::live_capture;
-use scaleproof_capture::capture::live::{Device, LiveCameraError, PixelFormat, RawImage, Setting};
-use scaleproof_capture::capture::{CameraSettings, Capture, FrameSource, LiveCamera, Original};
-use scaleproof_photo::photo::{Budget, Photo};
+use scaleproof_capture::live::{Device, LiveCameraError, PixelFormat, RawImage, Setting};
+use scaleproof_capture::{CameraSettings, Capture, FrameSource, LiveCamera, Original};
+use scaleproof_photo::{Budget, Photo};
 use scaleproof_pose::scene::Scene;
 
 /// A camera that answers at all opens within this time.

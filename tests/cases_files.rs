@@ -50,7 +50,7 @@ fn jpegs_without_tables_or_without_their_end_are_located_as_the_whole_ones() {
     let base = std::fs::read(skyline().join("normal_000.jpg")).unwrap();
     // The standard's tables are those of an encoder that computes none.
     let picture = image::open(skyline().join("normal_000.jpg")).unwrap().into_rgb8();
-    let plain = scaleproof_photo::photo::preview_jpeg(&picture, 92).unwrap();
+    let plain = scaleproof_photo::preview_jpeg(&picture, 92).unwrap();
     let (stored, bare) = (
         write(folder.path(), "plain.jpg", &plain),
         with_segments(&plain, |marker| marker != 0xC4),

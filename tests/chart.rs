@@ -6,11 +6,11 @@ use crate::common;
 
 use common::{assert_refused, copy_of_skyline, program, skyline, stderr, stdout, tinted_twice};
 use scaleproof_core::workers;
-use scaleproof_photo::photo::Photo;
+use scaleproof_photo::Photo;
 use scaleproof_pose::locate::{Solver, locate_luma};
 use scaleproof_pose::scene::Viewpoint;
 use scaleproof_pose::tags::TagDetectorChoice;
-use scaleproof_session::session::Session;
+use scaleproof_session::Session;
 use scaleproof_study::chart::locate::{LensTerms, PhotoSample, detectors, is_silently_wrong, measure};
 use scaleproof_study::chart::{stability, true_views};
 

@@ -7,7 +7,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::statistics::{holm, interval_95, mcnemar_p};
-use scaleproof_score::score::{ImageBoxes, average_precision};
+use scaleproof_score::{ImageBoxes, average_precision};
 use serde_json::Value;
 
 /// Photos of each side in a simulated cluster.

@@ -10,7 +10,7 @@ use common::{assert_refused, home, program, read_json, skyline, stderr, stdout};
 use image::{Rgb, RgbImage};
 use serde_json::{Value, json};
 
-use scaleproof_score::score::Corruption;
+use scaleproof_score::Corruption;
 
 /// Corrupted images are those of the published code, up to a level. Of JPEG, whose encoders round differently, up to a fifth on average; and the published blur over 10 px adds up to
 /// 1.01, which makes the image brighter.

@@ -3,7 +3,7 @@
 use crate::common;
 
 use common::{assert_refused, program, read_json, skyline, stderr, stdout};
-use scaleproof_session::session::Session;
+use scaleproof_session::Session;
 use std::path::Path;
 use std::process::Output;
 

@@ -220,7 +220,7 @@ fn texels_of_triangles() {
 fn the_corpus_has_files_that_are_accepted() {
     use scaleproof_pose::camera::Camera;
     use scaleproof_pose::scene::Classes;
-    use scaleproof_session::session::import;
+    use scaleproof_session::import;
     let read = |bytes: &Vec<u8>| Camera::parse(std::str::from_utf8(bytes).unwrap_or(""), Path::new("camera")).is_ok();
     assert!(corpus("camera").iter().filter(|bytes| read(bytes)).count() >= 7);
     type Parser = fn(&str, &Classes) -> Result<import::ImportedRows, import::ImportFault>;
@@ -237,13 +237,13 @@ fn the_corpus_has_files_that_are_accepted() {
     let opened = corpus("photo").into_iter().filter(|bytes| {
         let path = folder.path().join("photo");
         std::fs::write(&path, bytes).unwrap();
-        scaleproof_photo::photo::Photo::open(&path).is_ok_and(|photo| photo.rgb(1).is_ok())
+        scaleproof_photo::Photo::open(&path).is_ok_and(|photo| photo.rgb(1).is_ok())
     });
     assert!(opened.count() >= 4);
     let folder = entry::frames_folder("accepted");
     let whole = corpus("frames").into_iter().filter(|list| {
         std::fs::write(folder.join("frames.json"), list).unwrap();
-        let set = scaleproof_frames::frames::FrameSet::open(&folder);
+        let set = scaleproof_frames::FrameSet::open(&folder);
         set.is_ok_and(|set| set.list.frames.iter().all(|frame| set.check_images(frame).is_ok()))
     });
     assert!(whole.count() >= 1);

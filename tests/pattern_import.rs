@@ -12,8 +12,8 @@ use image::imageops::{FilterType, resize};
 use image::{Rgb, RgbImage};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use scaleproof_photo::photo::Photo;
-use scaleproof_print::print::template::{LayoutRequest, layout};
+use scaleproof_photo::Photo;
+use scaleproof_print::template::{LayoutRequest, layout};
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::enlarged::grid_of;
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::common;
 
 use common::{assert_refused, copy_of_skyline, program, read_json, skyline, stderr, stdout};
-use scaleproof_score::score::{Aim, Endpoint, SealedPlan};
+use scaleproof_score::{Aim, Endpoint, SealedPlan};
 use serde_json::Value;
 
 fn run(arguments: &[&str]) -> std::process::Output {

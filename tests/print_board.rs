@@ -10,10 +10,10 @@ use common::{assert_refused, program, stderr};
 use opencv::core::{Mat, Point2f, Size, TermCriteria, Vector};
 use opencv::prelude::*;
 use paper::{A4, Mm, Page, distance, render};
-use scaleproof_print::print::board::{BoardKind, BoardRequest, Definition, board};
-use scaleproof_print::print::media::Media;
-use scaleproof_print::print::paper::Paper;
-use scaleproof_print::print::sheet::RectMm;
+use scaleproof_print::board::{BoardKind, BoardRequest, Definition, board};
+use scaleproof_print::media::Media;
+use scaleproof_print::paper::Paper;
+use scaleproof_print::sheet::RectMm;
 use theirs::Charuco;
 
 const DICT_5X5_100: i32 = 5;

@@ -12,10 +12,10 @@ use image::{Rgb, RgbImage};
 use proptest::prelude::*;
 use raster::{Stencil, filled};
 use render::{done, pages, scaleproof, usual_request, words};
-use scaleproof_print::print::paint::{PaintRequest, PaintSheets, paint_sheets};
-use scaleproof_print::print::sheet::{Mark, Sheet};
-use scaleproof_print::print::template::{Front, LayoutRequest, SheetPlan, TemplateRequest};
-use scaleproof_print::print::{pdf, svg};
+use scaleproof_print::paint::{PaintRequest, PaintSheets, paint_sheets};
+use scaleproof_print::sheet::{Mark, Sheet};
+use scaleproof_print::template::{Front, LayoutRequest, SheetPlan, TemplateRequest};
+use scaleproof_print::{pdf, svg};
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::palette::{Painted, Palette};
 
@@ -243,8 +243,7 @@ fn cut_outlines(sheet: &Sheet) -> Vec<Vec<(f64, f64)>> {
         _ => None,
     });
     let place = |o: &Vec<_>| {
-        let corner =
-            |p: &scaleproof_print::print::sheet::PointMm| (p.x_mm - sheet.trim.left_mm, sheet.trim.top_mm - p.y_mm);
+        let corner = |p: &scaleproof_print::sheet::PointMm| (p.x_mm - sheet.trim.left_mm, sheet.trim.top_mm - p.y_mm);
         o.iter().map(corner).collect()
     };
     cuts.flatten().map(place).collect()

@@ -11,11 +11,11 @@ use image::imageops::{self, FilterType};
 use image::{Rgb, RgbImage};
 use measure::{Printed, assert_cell_centres, assert_edges, assert_rulers, dark_lines_mm};
 use render::{done, pages, pattern_file, scaleproof, usual_request};
-use scaleproof_print::print::check;
-use scaleproof_print::print::media::Media;
-use scaleproof_print::print::paper::Paper;
-use scaleproof_print::print::printer::Printer;
-use scaleproof_print::print::template::{LayoutRequest, layout};
+use scaleproof_print::check;
+use scaleproof_print::media::Media;
+use scaleproof_print::paper::Paper;
+use scaleproof_print::printer::Printer;
+use scaleproof_print::template::{LayoutRequest, layout};
 use scaleproof_surface::pattern::Pattern;
 
 /// What a printer does that makes `x` and `y` mm of 100 mm, with the page's centre where it belongs.

@@ -11,7 +11,7 @@ use image::RgbImage;
 use measure::{Printed, assert_cell_centres, assert_edges, assert_pieces_make_the_whole, assert_rulers};
 use render::{done, pattern_file, usual_request};
 use roxmltree::{Document, Node};
-use scaleproof_print::print::template::layout;
+use scaleproof_print::template::layout;
 use scaleproof_surface::pattern::Pattern;
 
 const COMMAND: &str = "print template --tile-mm 118 --size-mm 600x300 --format svg";

@@ -11,10 +11,10 @@ use common::{assert_refused, home, program, stderr, stdout};
 use image::GrayImage;
 use paper::{A4, Page, distance, render};
 use scaleproof_pose::scene::{Scene, TagFamily};
-use scaleproof_print::print::media::Media;
-use scaleproof_print::print::paper::{Paper, Stock};
-use scaleproof_print::print::sheet::{Mark, Sheet};
-use scaleproof_print::print::tags::{TagRequest, TagSheets, arrange, tag_sheets};
+use scaleproof_print::media::Media;
+use scaleproof_print::paper::{Paper, Stock};
+use scaleproof_print::sheet::{Mark, Sheet};
+use scaleproof_print::tags::{TagRequest, TagSheets, arrange, tag_sheets};
 
 /// Runs the program; it must succeed.
 fn run(folder: &Path, command: &str) -> String {

@@ -14,10 +14,10 @@ use measure::{Printed, assert_cell_centres, assert_edges, assert_pieces_make_the
 use proptest::prelude::*;
 use render::{done, oblong_pattern, pages, pattern_file, scaleproof, text_of, usual_request};
 use scaleproof_core::files;
-use scaleproof_print::print::media::Media;
-use scaleproof_print::print::paper::{Orientation, Paper, Stock};
-use scaleproof_print::print::printer::Printer;
-use scaleproof_print::print::template::{LayoutRequest, TemplateRect, layout};
+use scaleproof_print::media::Media;
+use scaleproof_print::paper::{Orientation, Paper, Stock};
+use scaleproof_print::printer::Printer;
+use scaleproof_print::template::{LayoutRequest, TemplateRect, layout};
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::card::Card;
 
@@ -173,7 +173,7 @@ fn the_file_tells_viewers_not_to_scale_it_and_has_its_trim() {
             let mm = |o: &Object| f64::from(o.as_float().unwrap()) * 25.4 / 72.0;
             page.get(key).unwrap().as_array().unwrap().iter().map(mm).collect()
         };
-        let edges = |r: scaleproof_print::print::sheet::RectMm| [r.left_mm, r.bottom_mm, r.right_mm, r.top_mm];
+        let edges = |r: scaleproof_print::sheet::RectMm| [r.left_mm, r.bottom_mm, r.right_mm, r.top_mm];
         let close = |a: Vec<f64>, b: [f64; 4]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 0.001);
         assert!(close(corners(b"MediaBox"), [0.0, 0.0, 297.0, 210.0]));
         assert!(close(corners(b"TrimBox"), edges(plan.trim)));

@@ -11,7 +11,7 @@ use rand_pcg::Pcg64Mcg;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::statistics::intervals_95;
 use scaleproof_detect::Detection;
-use scaleproof_score::score::{Protocol, apricot_ap, rates_as_armory};
+use scaleproof_score::{Protocol, apricot_ap, rates_as_armory};
 use serde_json::Value;
 
 fn run(command: &str, session: &Path, out: &Path, more: &[&str]) -> Output {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use scaleproof_core::geometry::angle::turn;
-use scaleproof_photo::photo::Photo;
+use scaleproof_photo::Photo;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::{Located, LocatedPhoto, locate, locate_photo};
 use scaleproof_pose::scene::{Scene, Viewpoint};

@@ -10,9 +10,10 @@ use common::kills::{send, stop_at};
 use common::{assert_refused, program, read_json, shared, skyline, stderr};
 use image::imageops::{self, FilterType};
 use scaleproof_detect::{Detection, Detector, Kernel, Manifest, Runtime, WeightFolders};
-use scaleproof_photo::photo::Photo;
-use scaleproof_score::score::{self, Cache, EvaluatedDetector, Options, Scores};
-use scaleproof_session::session::Session;
+use scaleproof_photo::Photo;
+use scaleproof_score as score;
+use scaleproof_score::{Cache, EvaluatedDetector, Options, Scores};
+use scaleproof_session::Session;
 
 use crate::common::onnx;
 

@@ -7,7 +7,7 @@ use std::process::Output;
 
 use common::{assert_refused, copy_of_skyline, program, read_json, shared, skyline, stderr, stdout};
 use scaleproof_core::geometry::BoxPx;
-use scaleproof_score::score::{ImageBoxes, average_precision};
+use scaleproof_score::{ImageBoxes, average_precision};
 use serde_json::Value;
 
 fn score(session: &Path, out: &Path, more: &[&str]) -> Output {

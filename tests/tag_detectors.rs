@@ -11,7 +11,7 @@ use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use scaleproof_core::geometry::angle::turn;
-use scaleproof_photo::photo::Photo;
+use scaleproof_photo::Photo;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::locate;
 use scaleproof_pose::scene::{Scene, TagFamily};

@@ -5,21 +5,22 @@ use std::ffi::OsStr;
 use std::path::Path;
 
 use scaleproof_core::files;
+use scaleproof_core::message::Hint;
 use scaleproof_core::spelling::quoted;
 use scaleproof_detect::{
     ManifestError, NetworkFormat, NoSuchClass, OutsideError, ProgramError, ProposalNote, ProposeError, RecordedError,
     RegisterError, WeightsError,
 };
 use scaleproof_pose::tags::StartError;
-use scaleproof_print::print::output::OutputError;
-use scaleproof_print::print::paint::PaintError;
-use scaleproof_print::print::tags::{Instead, TagPrintError};
-use scaleproof_print::print::template::TemplateError;
-use scaleproof_print::print::wrap::WrapError;
-use scaleproof_score::score::shard::ShardError;
-use scaleproof_score::score::{CompareError, EvaluatedDetectorError, GroupByError, RecordError, ScoreError};
-use scaleproof_session::session::NewSessionError;
-use scaleproof_session::session::import::SessionImportError;
+use scaleproof_print::output::OutputError;
+use scaleproof_print::paint::PaintError;
+use scaleproof_print::tags::{Instead, TagPrintError};
+use scaleproof_print::template::TemplateError;
+use scaleproof_print::wrap::WrapError;
+use scaleproof_score::shard::ShardError;
+use scaleproof_score::{CompareError, EvaluatedDetectorError, GroupByError, RecordError, ScoreError};
+use scaleproof_session::NewSessionError;
+use scaleproof_session::import::SessionImportError;
 use scaleproof_surface::mesh::MeshError;
 use scaleproof_surface::pattern::PatternError;
 use scaleproof_surface::texture::TextureError;
@@ -37,8 +38,29 @@ macro_rules! advice_by_kind {
         None
     }};
 }
-/// An error's sentence with the advice on it, or on what it wraps.
+/// Returns what is wrong and what to do about it in one sentence, for a list or a file.
 pub(super) fn sentence(error: &(dyn Error + 'static)) -> String {
+    match hint(error) {
+        Some(hint) => format!("{}; {hint}", advised(error)),
+        None => advised(error),
+    }
+}
+
+/// Prints what is wrong, and the hint on a line of its own.
+pub(super) fn say(error: &(dyn Error + 'static)) {
+    say!("error: {}", advised(error));
+    if let Some(hint) = hint(error) {
+        say!("hint: {hint}");
+    }
+}
+
+/// Returns the error's hint with settings spelled as options: `‹detector_timeout›` is `--detector-timeout`.
+fn hint(error: &(dyn Error + 'static)) -> Option<String> {
+    Some(Hint::of(error)?.spelled(|setting| format!("--{}", setting.replace('_', "-"))))
+}
+
+/// An error's sentence with the advice on it, or on what it wraps.
+fn advised(error: &(dyn Error + 'static)) -> String {
     let mut wrapped = std::iter::successors(Some(error), |e| (*e).source());
     let on_more = |e| super::MORE_ADVICE.iter().find_map(|advise| advise(e));
     match wrapped.find_map(|e| on(e).or_else(|| on_more(e))) {

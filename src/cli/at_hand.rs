@@ -8,8 +8,8 @@ use super::detectors;
 use super::results::Results;
 use scaleproof_core::spelling::quoted;
 use scaleproof_detect::{Manifest, Recording, WeightFolders};
-use scaleproof_score::score::{EvaluatedDetector, evaluated_detectors};
-use scaleproof_session::session::Session;
+use scaleproof_score::{EvaluatedDetector, evaluated_detectors};
+use scaleproof_session::Session;
 
 /// Detectors, and where their detections come from.
 #[derive(clap::Args)]

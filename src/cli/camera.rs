@@ -11,7 +11,7 @@ use super::choice::one_of;
 use super::{CommandResult, Outcome};
 use crate::cli::answer::told;
 use scaleproof_core::files;
-use scaleproof_photo::photo::Photo;
+use scaleproof_photo::Photo;
 use scaleproof_pose::camera::{Camera, CameraFormat, DistortionModel};
 
 #[derive(Subcommand)]

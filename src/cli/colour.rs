@@ -9,10 +9,10 @@ use serde::Serialize;
 
 use super::{CommandResult, Outcome, Result, photos, progress};
 use scaleproof_core::files;
-use scaleproof_photo::photo::Photo;
+use scaleproof_photo::Photo;
 use scaleproof_pose::tags::AprilTagC;
 use scaleproof_print::colour_chart::read::{ChartReading, FAMILIES, Quality, average, read};
-use scaleproof_print::print::printer::{Printer, PrinterFile};
+use scaleproof_print::printer::{Printer, PrinterFile};
 use scaleproof_surface::pattern::printed::PrintedColours;
 
 #[derive(Subcommand)]

@@ -9,9 +9,10 @@ use super::criteria::{self, Reading};
 use super::patterns::Patterns;
 use super::{CommandResult, Outcome, Result, at_hand, score as score_command, sessions};
 use scaleproof_core::files;
+use scaleproof_score as score;
 use scaleproof_score::report;
-use scaleproof_score::score::{self, ClusteredBy, CompareError, Comparison, SealedPlan};
-use scaleproof_session::session::Session;
+use scaleproof_score::{ClusteredBy, CompareError, Comparison, SealedPlan};
+use scaleproof_session::Session;
 
 /// Compare textures on photos paired by place and bin: drops with 95 % intervals, exact tests, and whether the photos can tell.
 #[derive(clap::Args)]

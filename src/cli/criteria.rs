@@ -3,8 +3,9 @@
 use super::choice::completing;
 use scaleproof_detect::SCORE_FLOOR;
 use scaleproof_plot::distinct;
-use scaleproof_score::score::{self, ApDefinition, CompareError, Criteria, GroupBy, Protocol, Scores};
-use scaleproof_session::session::Session;
+use scaleproof_score as score;
+use scaleproof_score::{ApDefinition, CompareError, Criteria, GroupBy, Protocol, Scores};
+use scaleproof_session::Session;
 
 /// The definition of AP and the threshold of a hit, by themselves or as a protocol has them.
 #[derive(clap::Args)]

@@ -10,7 +10,7 @@ use super::choice::completing;
 use super::results::Programs;
 use scaleproof_detect::ProgramSpec;
 use scaleproof_photo::defence::Defence;
-use scaleproof_score::score::{Defending, UNDEFENDED};
+use scaleproof_score::{Defending, UNDEFENDED};
 
 #[derive(clap::Args)]
 pub(super) struct Defences {

@@ -10,12 +10,12 @@ use super::answer::answer;
 use super::{CommandResult, Outcome, Result, advice, detectors, locate, print, score};
 use scaleproof_core::files;
 use scaleproof_detect::{Manifest, Runtime, WeightFolders};
-use scaleproof_print::print::media::Media;
-use scaleproof_print::print::paper::{Orientation, Paper};
-use scaleproof_print::print::template::{Front, LayoutRequest, TemplateRequest};
+use scaleproof_print::media::Media;
+use scaleproof_print::paper::{Orientation, Paper};
+use scaleproof_print::template::{Front, LayoutRequest, TemplateRequest};
 use scaleproof_score::report;
-use scaleproof_score::score::{EvaluatedDetector, Options, Scores};
-use scaleproof_session::session::Session;
+use scaleproof_score::{EvaluatedDetector, Options, Scores};
+use scaleproof_session::Session;
 use scaleproof_surface::pattern::Pattern;
 
 /// Print a template, locate the stored photos, and score them with every detector at hand.

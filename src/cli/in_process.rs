@@ -13,9 +13,10 @@ use super::{
     Outcome, Result, advice, at_hand, command, done, is_mistake, locate, mistakes, score as score_command, sessions,
 };
 use scaleproof_detect::CalledDetector;
-use scaleproof_photo::photo::PhotoError;
+use scaleproof_photo::PhotoError;
 use scaleproof_pose::locate::LocatedPhoto;
-use scaleproof_score::score::{self, EvaluatedDetector, Scores};
+use scaleproof_score as score;
+use scaleproof_score::{EvaluatedDetector, Scores};
 
 /// What a command printed, and how it ended.
 #[derive(Debug)]

@@ -12,7 +12,7 @@ use scaleproof_core::geometry::angle::direction_text;
 use scaleproof_core::geometry::rigid;
 use scaleproof_core::{spelling, workers};
 use scaleproof_photo::copies;
-use scaleproof_photo::photo::{Photo, PhotoError};
+use scaleproof_photo::{Photo, PhotoError};
 use scaleproof_pose::camera::{Camera, FittedCamera};
 use scaleproof_pose::locate::{
     Abstention, BinProbability, IgnoredTag, LocateFiles, Located, LocatedPhoto, MOST_LISTED, Rival, Sigma, Warning,
@@ -20,9 +20,9 @@ use scaleproof_pose::locate::{
 };
 use scaleproof_pose::scene::{Bin, Scene};
 use scaleproof_pose::tags::{StartError, TagDetector, TagDetectorChoice};
+use scaleproof_session::Session;
 use scaleproof_session::envelope::EnvelopeShape;
 use scaleproof_session::overlay;
-use scaleproof_session::session::Session;
 
 /// Find each photo's camera pose, viewpoint and bin from the AprilTags around the model.
 ///

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 
 use super::{CommandResult, detectors, score as score_command};
 use scaleproof_core::files;
-use scaleproof_score::score::shard;
-use scaleproof_score::{report, score};
+use scaleproof_score as score;
+use scaleproof_score::report;
+use scaleproof_score::shard;
 
 /// Put the shards of `score --shard` together: the same files as one run over all photos writes, byte for byte.
 ///

@@ -146,7 +146,8 @@ pub(crate) fn main(arguments: &[OsString]) -> u8 {
         Err(e) if is_broken_pipe(e.as_ref()) => 0,
         Err(e) => {
             full::let_an_interruption_end_first();
-            refuse(&advice::sentence(e.as_ref()))
+            advice::say(e.as_ref());
+            2
         }
     }
 }

@@ -12,7 +12,7 @@ use super::enlarged::{note_enlarged, picture};
 use super::{CommandResult, Outcome};
 use scaleproof_core::files;
 use scaleproof_plot::lettering::number;
-use scaleproof_print::print::printer::PrinterFile;
+use scaleproof_print::printer::PrinterFile;
 use scaleproof_surface::pattern::fate::{PatternFate, fate};
 use scaleproof_surface::pattern::gamut::PRINTABLE_DELTA_E;
 use scaleproof_surface::pattern::import::{enlarged_pattern, in_cells, rows_for};

@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::Result;
-use scaleproof_print::print::printer::PrinterFile;
-use scaleproof_score::score::WornPattern;
-use scaleproof_session::session::Session;
+use scaleproof_print::printer::PrinterFile;
+use scaleproof_score::WornPattern;
+use scaleproof_session::Session;
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::card::{CardError, tile_mm};
 use scaleproof_surface::pattern::fate::fate;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::Result;
 use scaleproof_core::spelling;
-use scaleproof_session::session::folders::{Listing, not_read};
+use scaleproof_session::folders::{Listing, not_read};
 
 /// The photos of what is named, those of a folder by name; images that are passed over are noted.
 pub(super) fn of(named: &[PathBuf]) -> Result<Vec<PathBuf>> {

@@ -15,9 +15,8 @@ use super::{CommandResult, progress};
 use crate::cli::answer::told;
 use asked::{Comparisons, comparisons};
 use scaleproof_core::spelling::{count, digits};
-use scaleproof_score::score::{
-    self, PLAN_EXPERIMENTS, PLAN_SEED, Question, SequentialPlan, Spread, SpreadFrom, ViewsNeeded,
-};
+use scaleproof_score as score;
+use scaleproof_score::{PLAN_EXPERIMENTS, PLAN_SEED, Question, SequentialPlan, Spread, SpreadFrom, ViewsNeeded};
 
 /// Say how many photos show a drop of the mean confidence, before they are taken.
 ///

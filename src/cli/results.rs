@@ -8,8 +8,8 @@ use scaleproof_detect::{
     Manifest, OutsideResults, PhotoName, ProgramDefence, ProgramDetector, ProgramError, ProgramSpec, ProgramSpecError,
     ResultsRequest,
 };
-use scaleproof_score::score::EvaluatedDetector;
-use scaleproof_session::session::Session;
+use scaleproof_score::EvaluatedDetector;
+use scaleproof_session::Session;
 
 /// Detections from outside.
 #[derive(Default, clap::Args)]

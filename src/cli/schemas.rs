@@ -9,8 +9,8 @@ use super::{
 };
 use scaleproof_core::files;
 use scaleproof_detect::Speeds;
+use scaleproof_score::SealedFile;
 use scaleproof_score::report::{ComparisonPage, SummaryPage};
-use scaleproof_score::score::SealedFile;
 
 /// Write the JSON Schemas of all outputs
 #[derive(clap::Args)]

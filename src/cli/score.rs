@@ -15,13 +15,14 @@ use super::{CommandResult, Outcome, Result, at_hand, own_file, progress, session
 use scaleproof_core::{files, spelling, workers};
 use scaleproof_detect::{Manifest, Runtime, SpeedError, Speeds, chosen_as};
 use scaleproof_pose::tags::TagDetectorChoice;
+use scaleproof_score as score;
 use scaleproof_score::report;
-use scaleproof_score::score::shard::{Run, Shard, ShardId};
-use scaleproof_score::score::{
-    self, Cache, Corruption, Defences, Defending, EvaluatedDetector, Options, Ranking, Robustness, ScoreError, Scores,
+use scaleproof_score::shard::{Run, Shard, ShardId};
+use scaleproof_score::{
+    Cache, Corruption, Defences, Defending, EvaluatedDetector, Options, Ranking, Robustness, ScoreError, Scores,
     Settings,
 };
-use scaleproof_session::session::Session;
+use scaleproof_session::Session;
 
 /// Score detectors on photos: AP@0.5, hit rate and confidence per texture and viewing direction, with a report.
 ///

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use super::{Result, photos};
 use scaleproof_core::files;
 use scaleproof_core::spelling::quoted;
-use scaleproof_session::session::folders::{self, Gathered, Listing, PhotoFolder};
-use scaleproof_session::session::{Session, SessionError};
+use scaleproof_session::folders::{self, Gathered, Listing, PhotoFolder};
+use scaleproof_session::{Session, SessionError};
 
 /// Where photos were taken when nobody says.
 const PLACE: &str = "here";

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use scaleproof_capture::capture::{Capture, Guidance, Judge, Store, Tolerance};
+use scaleproof_capture::{Capture, Guidance, Judge, Store, Tolerance};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::Scene;
 use scaleproof_pose::tags::TagDetectorChoice;

@@ -4,13 +4,13 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use scaleproof_capture::capture::Sidecar;
+use scaleproof_capture::Sidecar;
 use scaleproof_detect::{Manifest, ProgramSpec, Recording, Speeds};
 use scaleproof_pose::board::Definition;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::Scene;
-use scaleproof_print::print::printer::PrinterFile;
-use scaleproof_session::session::{Session, import};
+use scaleproof_print::printer::PrinterFile;
+use scaleproof_session::{Session, import};
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::card;
 use scaleproof_surface::pattern::palette::Palette;
@@ -89,7 +89,7 @@ fn frames(text: &str, at: &Path) -> Read {
             _ => {}
         }
     }
-    said(scaleproof_frames::frames::FrameSet::open(at))
+    said(scaleproof_frames::FrameSet::open(at))
 }
 
 /// `import.json` and `poses.csv` in one example, with a blank line between; the images are made here.

@@ -8,7 +8,7 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{DynamicImage, ExtendedColorType, GrayImage, ImageEncoder, ImageFormat, Luma, RgbImage};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use scaleproof_photo::photo::Photo;
+use scaleproof_photo::Photo;
 use scaleproof_pose::scene::TagFamily;
 use scaleproof_pose::tags::TagDetectorChoice;
 

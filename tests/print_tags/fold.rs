@@ -4,8 +4,8 @@
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 use scaleproof_pose::scene::{Bins, Envelope, ScaleModel, Scene, Tag, TagFamily, corners_in_tag_mm};
-use scaleproof_print::print::sheet::{Line, Mark, Sheet};
-use scaleproof_print::print::tags::arrange;
+use scaleproof_print::sheet::{Line, Mark, Sheet};
+use scaleproof_print::tags::arrange;
 
 use super::paper::Mm;
 

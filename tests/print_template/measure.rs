@@ -3,7 +3,7 @@
 #![allow(dead_code)] // each test file uses its part
 
 use image::{Rgb, RgbImage};
-use scaleproof_print::print::template::{SheetLayout, SheetPlan};
+use scaleproof_print::template::{SheetLayout, SheetPlan};
 use scaleproof_surface::pattern::Pattern;
 
 /// How far from its nominal place an edge is looked for.

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use image::RgbImage;
-use scaleproof_print::print::media::Media;
-use scaleproof_print::print::paper::{Orientation, Paper};
-use scaleproof_print::print::template::LayoutRequest;
+use scaleproof_print::media::Media;
+use scaleproof_print::paper::{Orientation, Paper};
+use scaleproof_print::template::LayoutRequest;
 use scaleproof_surface::pattern::Pattern;
 
 use crate::common::pictured;

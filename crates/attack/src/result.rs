@@ -8,7 +8,7 @@ use super::run::history::History;
 use super::run::view_set::TextureMapping;
 use super::run::{AttackConfig, Rgb, RunError, to_image};
 use scaleproof_core::files;
-use scaleproof_frames::frames::encode_rgb;
+use scaleproof_frames::encode_rgb;
 use scaleproof_surface::pattern::card::Card;
 
 pub const PATTERN: &str = "pattern.png";

@@ -5,7 +5,7 @@ use super::run::history::{Entry, History};
 use super::run::view_set::{TextureMapping, ViewSet};
 use super::run::{AttackConfig, RunError};
 use scaleproof_core::files;
-use scaleproof_frames::frames::FrameSet;
+use scaleproof_frames::FrameSet;
 use scaleproof_frames::surrogate::projection::Grid;
 use scaleproof_gradients::WhiteBox;
 use scaleproof_pose::scene::Classes;

@@ -4,7 +4,7 @@ use image::RgbImage;
 
 use super::manifest::{Channels, Input, Kernel, Layout, Manifest, Resize};
 use scaleproof_core::geometry::BoxPx;
-use scaleproof_photo::photo::{opencv_cubic, opencv_linear, shrunk};
+use scaleproof_photo::{opencv_cubic, opencv_linear, shrunk};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InputPlacement {

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use crate::look::{Look, Unplaced};
 use crate::walk::Walk;
-use scaleproof_photo::photo::{self, Budget, Photo};
+use scaleproof_photo as photo;
+use scaleproof_photo::{Budget, Photo};
 use scaleproof_pose::locate::diagnosis::{OtherLooks, diagnose};
 use scaleproof_pose::locate::{LocatedPhoto, locate_photo};
 use scaleproof_pose::tags::TagDetectorChoice;

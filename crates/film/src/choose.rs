@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::look::{Look, Unplaced, View};
-use scaleproof_capture::capture::{MAX_BLUR_PX, Tolerance};
+use scaleproof_capture::{MAX_BLUR_PX, Tolerance};
 use scaleproof_core::geometry::angle::turn;
 use scaleproof_pose::scene::{Bin, Bins, Viewpoint};
 

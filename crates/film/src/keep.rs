@@ -10,15 +10,16 @@ use serde::Serialize;
 use crate::choose::Chosen;
 use crate::hold::Held;
 use crate::look::Look;
-use scaleproof_capture::capture::{Guidance, Judge, Measures, Sidecar, Tolerance, sidecar_of, slug};
+use scaleproof_capture::{Guidance, Judge, Measures, Sidecar, Tolerance, sidecar_of, slug};
 use scaleproof_core::files::{self, FileError, FileState};
 use scaleproof_core::geometry::rigid;
-use scaleproof_photo::photo::{self, Budget, Photo, PhotoError};
+use scaleproof_photo as photo;
+use scaleproof_photo::{Budget, Photo, PhotoError};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::{Located, Sigma};
 use scaleproof_pose::scene::{Bin, Scene, Viewpoint};
 use scaleproof_pose::tags::{StartError, TagDetectorChoice};
-use scaleproof_session::session::{PhotoEntry, VideoFrame};
+use scaleproof_session::{PhotoEntry, VideoFrame};
 use scaleproof_video::{Frame, Planes, Selection, Video, VideoError};
 
 /// Quality of the JPEGs.
@@ -268,7 +269,7 @@ impl Keeper<'_> {
             return Ok(None);
         };
         let light = judged.verdict.err().filter(|advice| {
-            use scaleproof_capture::capture::Advice::{TooBright, TooDark};
+            use scaleproof_capture::Advice::{TooBright, TooDark};
             matches!(advice, TooBright | TooDark)
         });
         let video_frame = VideoFrame {

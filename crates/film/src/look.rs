@@ -4,7 +4,7 @@
 //! searched, reduced. What is kept is located again by the search that photos get (`keep.rs`).
 
 use scaleproof_core::geometry::Rigid;
-use scaleproof_photo::photo::Luma;
+use scaleproof_photo::Luma;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::{Abstention, Sigma, locate_luma};
 use scaleproof_pose::scene::{Scene, Viewpoint};

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use scaleproof_capture::capture::pair::{NORMAL, viewpoint};
+use scaleproof_capture::pair::{NORMAL, viewpoint};
 use scaleproof_core::workers;
 use scaleproof_pose::scene::Viewpoint;
 use scaleproof_pose::tags::{StartError, TagDetectorChoice};
-use scaleproof_session::session::{PhotoEntry, Session};
+use scaleproof_session::{PhotoEntry, Session};
 
 /// Photos of one texture with their viewpoints.
 #[derive(Debug, Clone, Default)]

@@ -9,7 +9,7 @@ use crate::keep::{KeepError, Keeper, Kept};
 use crate::look::{Look, Looker, Unplaced};
 use crate::motion;
 use crate::pairs::Wanted;
-use scaleproof_capture::capture::MAX_BLUR_PX;
+use scaleproof_capture::MAX_BLUR_PX;
 use scaleproof_core::files::FileState;
 use scaleproof_core::spelling::count;
 use scaleproof_pose::camera::Camera;

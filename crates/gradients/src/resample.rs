@@ -4,7 +4,7 @@
 
 use crate::separable::{Separable, Tap};
 use scaleproof_detect::{Channels, Input, InputPlacement, Kernel, Layout};
-use scaleproof_photo::photo::{CubicTap, cubic_taps};
+use scaleproof_photo::{CubicTap, cubic_taps};
 
 /// Images of one size as the input tensor of one network, and derivatives back.
 pub struct Resampler {

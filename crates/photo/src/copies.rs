@@ -8,7 +8,7 @@ use image::RgbImage;
 use image::codecs::jpeg::JpegEncoder;
 use scaleproof_core::files::{self, FileError};
 
-use crate::photo::PhotoError;
+use crate::PhotoError;
 
 /// Mark in a JPEG's comment: a file with it may be replaced by the next run.
 const MARK: &[u8] = b"drawn by scaleproof";

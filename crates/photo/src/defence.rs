@@ -7,7 +7,7 @@ use image::RgbImage;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
-use crate::photo::as_jpeg;
+use crate::as_jpeg;
 
 pub use frame::Frame;
 

@@ -5,7 +5,7 @@
 //!
 //! ```
 //! use std::path::Path;
-//! use scaleproof_photo::photo::Photo;
+//! use scaleproof_photo::Photo;
 //! use scaleproof_pose::camera::Camera;
 //! use scaleproof_pose::locate::locate_photo;
 //! use scaleproof_pose::scene::Scene;

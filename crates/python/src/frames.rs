@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use scaleproof_frames::frames::{Frame, FrameSet, views};
 use scaleproof_frames::surrogate::projection::world::{self, Misplacement};
 use scaleproof_frames::surrogate::projection::{Grid, Projection};
 use scaleproof_frames::surrogate::renderer::{ClosedForm, FlatImage, PerPixel, Renderer};
+use scaleproof_frames::{Frame, FrameSet, views};
 
 use crate::{Error, refused, unpanicked};
 

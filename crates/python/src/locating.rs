@@ -11,7 +11,7 @@ use pyo3::pybacked::PyBackedBytes;
 use scaleproof::in_process;
 use scaleproof_core::geometry::rigid;
 use scaleproof_core::workers;
-use scaleproof_photo::photo::{Photo, PhotoError};
+use scaleproof_photo::{Photo, PhotoError};
 use scaleproof_pose::locate::{LocatedPhoto, locate_luma, locate_photo};
 use scaleproof_pose::tags::{TagDetector, TagDetectorChoice};
 use scaleproof_session::envelope::EnvelopeShape;

@@ -7,8 +7,8 @@ use std::sync::mpsc;
 
 use pyo3::prelude::*;
 use scaleproof::in_process::{self, Watch};
+use scaleproof_score as score;
 use scaleproof_score::report;
-use scaleproof_score::score;
 
 use crate::function::{self, Function};
 use crate::watched::{self, Course};

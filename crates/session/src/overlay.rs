@@ -8,7 +8,7 @@ use crate::envelope::EnvelopeShape;
 use scaleproof_core::geometry::Rigid;
 use scaleproof_photo::copies::{self, CopiesError};
 use scaleproof_photo::draw::{self, DrawColour, LabelAnchor, Lettering, Pen, RgbImage};
-use scaleproof_photo::photo::{Photo, PhotoError, fitting, shrunk};
+use scaleproof_photo::{Photo, PhotoError, fitting, shrunk};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::{Located, LocatedPhoto};
 use scaleproof_pose::scene::Scene;

@@ -13,7 +13,7 @@ use image::{GrayImage, ImageBuffer, RgbImage};
 use crate::frames::{Filter, images, widen};
 use crate::program::{Running, command, drain, every_frame_option};
 use crate::{Frame, Frames, Pixels, Selection, Video, VideoError};
-use scaleproof_photo::photo::{Luma, mean_squares};
+use scaleproof_photo::{Luma, mean_squares};
 
 /// A conversion takes some 50 ms a frame.
 const CONVERTED_WITHIN: Duration = Duration::from_secs(60);

@@ -10,7 +10,7 @@ use serde::Deserialize;
 use crate::log::{ELSEWHERE, last_words, sends_elsewhere};
 use crate::program::{LEFT_BEHIND, Running, command, drain, every_frame_option, has_zscale};
 use crate::{Input, VideoError};
-use scaleproof_photo::photo::{Budget, DecodeCost};
+use scaleproof_photo::{Budget, DecodeCost};
 
 /// ffprobe reads a few megabytes; a file on a slow disk takes seconds.
 const PROBED_WITHIN: Duration = Duration::from_secs(60);

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use scaleproof_core::files::sha256_hex;
-use scaleproof_photo::photo::Luma as _;
+use scaleproof_photo::Luma as _;
 use scaleproof_testing::{films::turn, home};
 use scaleproof_video::{Frames, Picture, Pixels, Range, Selection, Video, VideoError};
 use tempfile::TempDir;

@@ -16,7 +16,7 @@ use image::imageops::{self, FilterType};
 use image::{GrayImage, Luma};
 use rand::rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg32;
-use scaleproof_photo::photo::Photo;
+use scaleproof_photo::Photo;
 use scaleproof_pose::board::Definition;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::locate;

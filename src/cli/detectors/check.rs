@@ -13,7 +13,7 @@ use scaleproof_core::geometry::BoxPx;
 use scaleproof_detect::{Detection, Detector, Manifest, ProgramDetector, ProgramPhoto, Runtime};
 use scaleproof_photo::copies;
 use scaleproof_photo::draw::{self, LabelAnchor, Lettering, Pen, RgbImage};
-use scaleproof_photo::photo::{Photo, PhotoError};
+use scaleproof_photo::{Photo, PhotoError};
 
 #[derive(clap::Args)]
 pub(crate) struct Args {

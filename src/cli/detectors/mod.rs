@@ -18,7 +18,7 @@ use serde::Serialize;
 use crate::cli::answer::{Named, answer, named};
 use crate::cli::{CommandResult, Outcome, Result, advice, full, photos};
 use scaleproof_detect::{Manifest, WeightFolders, WeightsError, registered, registered_names};
-use scaleproof_photo::photo::Photo;
+use scaleproof_photo::Photo;
 
 #[derive(Subcommand)]
 pub(super) enum Command {

@@ -10,7 +10,7 @@ use super::{Folder, present};
 use crate::cli::{CommandResult, Outcome, progress};
 use scaleproof_core::spelling::{self, count};
 use scaleproof_detect::Manifest;
-use scaleproof_score::score::{Averages, LEAST_GAIN, LabelledPhotos, Trials, labelled_photos, trials};
+use scaleproof_score::{Averages, LEAST_GAIN, LabelledPhotos, Trials, labelled_photos, trials};
 
 /// Score labelled photos and put the AP beside the published one; where they differ, say what explains it.
 ///

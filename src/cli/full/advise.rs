@@ -7,9 +7,10 @@ use std::path::PathBuf;
 use crate::cli::at_hand::Detectors;
 use crate::cli::{CommandResult, Outcome, Result, progress, score as score_command, sessions, sessions::among_photos};
 use scaleproof_core::files;
-use scaleproof_score::score::{self, EvaluatedDetector, Scores};
+use scaleproof_score as score;
+use scaleproof_score::{EvaluatedDetector, Scores};
+use scaleproof_session::Session;
 use scaleproof_session::envelope::EnvelopeShape;
-use scaleproof_session::session::Session;
 use scaleproof_study::advise::{self, Advice, FigureAdvice, Sample};
 
 /// Say which tag detector, solver, camera model, how many tags and which resolution are enough for a session, and whether findings depend on the definition of AP or on the box behind the truth.

@@ -27,7 +27,7 @@ use crate::cli::answer::{Named, named, told};
 
 pub(in crate::cli) use render::{azimuths, size};
 use scaleproof_core::spelling::count;
-use scaleproof_frames::frames::{FrameSet, LIST};
+use scaleproof_frames::{FrameSet, LIST};
 use scaleproof_gradients::WhiteBox;
 
 #[derive(Subcommand)]

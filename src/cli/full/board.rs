@@ -11,7 +11,7 @@ use crate::cli::print::{CutSheetArgs, value_names};
 use crate::cli::{CommandResult, units};
 use scaleproof_core::files;
 use scaleproof_plot::lettering::number;
-use scaleproof_print::print::board::{BoardError, BoardKind, BoardRequest, board};
+use scaleproof_print::board::{BoardError, BoardKind, BoardRequest, board};
 
 /// Boards below this are smaller than a matchbox.
 const SMALLEST_BOARD_MM: f64 = 50.0;

@@ -19,11 +19,11 @@ use crate::cli::answer::told;
 use crate::cli::choice::completing;
 use crate::cli::full::interrupt::Opening;
 use crate::cli::{CommandResult, Outcome, Result};
-use scaleproof_capture::capture::{
+use scaleproof_capture::page::{CaptureInfo, Page};
+use scaleproof_capture::{
     BinName, Capture, FrameLine, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceError, SourceName, Store,
     Target, Tolerance, Watch, interrupt_programs, live::list_cameras, pair, stream,
 };
-use scaleproof_capture::page::{CaptureInfo, Page};
 use scaleproof_core::files;
 use scaleproof_core::spelling::count;
 use scaleproof_pose::camera::Camera;

@@ -15,7 +15,7 @@ use crate::cli::{CommandResult, Result, at_hand, progress};
 use scaleproof_core::files;
 use scaleproof_core::spelling::count;
 use scaleproof_pose::locate::Solver;
-use scaleproof_session::session::{PhotoEntry, Session};
+use scaleproof_session::{PhotoEntry, Session};
 use scaleproof_study::chart::locate::PhotoSample;
 use scaleproof_study::chart::{ChartNumbers, capture, envelope, locate, score, sigma, stability};
 

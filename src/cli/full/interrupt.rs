@@ -9,7 +9,7 @@ pub(in crate::cli) fn on_interrupt(first: impl FnOnce() + Send + 'static) {
         if tokio::signal::ctrl_c().await.is_ok() {
             first();
             if tokio::signal::ctrl_c().await.is_ok() {
-                end(scaleproof_capture::capture::interrupt_programs, 130);
+                end(scaleproof_capture::interrupt_programs, 130);
             }
         }
     });
@@ -24,7 +24,7 @@ impl Opening {
         let opening = Opening(is_over.clone());
         in_background(async move {
             if tokio::signal::ctrl_c().await.is_ok() && !is_over.load(Ordering::Relaxed) {
-                end(scaleproof_capture::capture::interrupt_programs, 130);
+                end(scaleproof_capture::interrupt_programs, 130);
             }
         });
         opening

@@ -11,8 +11,8 @@ use crate::cli::{Result, units};
 use scaleproof_core::spelling::{count, quoted};
 use scaleproof_plot::lettering;
 use scaleproof_pose::scene::{ScaleModel, Scene};
-use scaleproof_print::print::template::check_scale;
-use scaleproof_print::print::wrap::check_size;
+use scaleproof_print::template::check_scale;
+use scaleproof_print::wrap::check_size;
 use scaleproof_session::envelope;
 use scaleproof_surface::mesh::{FaceList, Mesh, MeshError, MeshPlacement, SignedAxis, propose_axes};
 

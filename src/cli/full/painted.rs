@@ -12,7 +12,7 @@ use crate::cli::full::model::Model;
 use crate::cli::print::paint::{Paints, PaintsAnswer, paint_facts, table};
 use crate::cli::progress;
 use scaleproof_core::spelling::count;
-use scaleproof_print::print::output::SheetOutput;
+use scaleproof_print::output::SheetOutput;
 use scaleproof_surface::texture::Texture;
 use scaleproof_wrap::pieces::PiecesRequest;
 use scaleproof_wrap::pieces::painted::{PaintedPieces, PaintedRequest, flattened, painted_pieces};

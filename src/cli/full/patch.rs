@@ -14,8 +14,8 @@ use crate::cli::print::value_names;
 use crate::cli::{Result, enlarged};
 use scaleproof_core::geometry::length::parse_mm;
 use scaleproof_core::spelling::count;
-use scaleproof_print::print::patch::{PanelPatch, PatchError, patches};
-use scaleproof_print::print::{paper, wrap};
+use scaleproof_print::patch::{PanelPatch, PatchError, patches};
+use scaleproof_print::{paper, wrap};
 use scaleproof_surface::pattern::world_aligned::Side;
 use scaleproof_surface::texture::PlacedPatch;
 

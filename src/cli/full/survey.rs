@@ -11,7 +11,7 @@ use crate::cli::{CommandResult, Outcome, advice, photos, progress, scene};
 use scaleproof_core::files;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Scene, TagFamily};
-use scaleproof_print::print::tags::arrange;
+use scaleproof_print::tags::arrange;
 use scaleproof_rig::survey::{
     LeftOutReason, PhotoReport, Sizes, Survey, SurveyError, SurveyInput, SurveyPhotos, TagReport, look, survey,
 };

@@ -15,8 +15,8 @@ use crate::cli::full::texture::TextureArgs;
 use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
 use scaleproof_core::spelling::count;
-use scaleproof_frames::frames::encode_rgb;
-use scaleproof_frames::frames::shaded::{FIELD_OF_VIEW_DEG, ShadedModel, side_by_side};
+use scaleproof_frames::encode_rgb;
+use scaleproof_frames::shaded::{FIELD_OF_VIEW_DEG, ShadedModel, side_by_side};
 use scaleproof_surface::texture::{MappedImages, Texture};
 use scaleproof_wrap::bake::{BakeRequest, TexturedModel, bake, write_glb, write_obj};
 

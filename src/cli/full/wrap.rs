@@ -16,7 +16,7 @@ use crate::cli::print::PaperArgs;
 use crate::cli::print::paint::PaintArgs;
 use crate::cli::{Result, advice, progress};
 use scaleproof_plot::lettering;
-use scaleproof_print::print::wrap::{Wrap, WrapRequest, wrap};
+use scaleproof_print::wrap::{Wrap, WrapRequest, wrap};
 use scaleproof_wrap::pieces::painted::PaintedError;
 use scaleproof_wrap::pieces::{PiecesError, UnwrapError};
 

@@ -7,7 +7,7 @@ use super::super::{Result, at_hand, criteria, detectors, sessions};
 use super::Args;
 use crate::cli::results::Results;
 use scaleproof_pose::scene::{NoSuchBin, Scene, Viewpoint};
-use scaleproof_score::score::{Observed, PlanError, Question, Spread};
+use scaleproof_score::{Observed, PlanError, Question, Spread};
 
 /// What is planned for where nothing else is said.
 const DROP: f64 = 0.2;

@@ -15,9 +15,8 @@ use crate::cli::answer::told;
 use scaleproof_core::{files, spelling};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::Scene;
-use scaleproof_score::score::{
-    self, Aim, ClusteredBy, Endpoint, PlanError, Protocol, SealedDetector, SealedPlan, Stopping,
-};
+use scaleproof_score as score;
+use scaleproof_score::{Aim, ClusteredBy, Endpoint, PlanError, Protocol, SealedDetector, SealedPlan, Stopping};
 use scaleproof_surface::pattern::Pattern;
 
 /// What a sealed plan fixes.

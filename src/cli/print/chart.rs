@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{CommandResult, CutSheetArgs, told, written};
-use scaleproof_print::print::chart::chart;
+use scaleproof_print::chart::chart;
 
 #[derive(clap::Args)]
 pub(crate) struct ChartArgs {

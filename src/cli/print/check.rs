@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{CommandResult, PaperArgs, told, written};
-use scaleproof_print::print::check::check;
+use scaleproof_print::check::check;
 
 #[derive(clap::Args)]
 pub(crate) struct CheckArgs {

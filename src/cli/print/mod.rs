@@ -15,11 +15,11 @@ use clap::Subcommand;
 use super::answer::{Named, Written, named, told, written};
 use super::enlarged::note_enlarged;
 use super::{CommandResult, Result, full};
-use scaleproof_print::print::media::Media;
-use scaleproof_print::print::output::{OutputError, SheetFormat, SheetOutput};
-use scaleproof_print::print::paper::Stock;
-use scaleproof_print::print::printer::Printer;
-use scaleproof_print::print::sheet::Sheet;
+use scaleproof_print::media::Media;
+use scaleproof_print::output::{OutputError, SheetFormat, SheetOutput};
+use scaleproof_print::paper::Stock;
+use scaleproof_print::printer::Printer;
+use scaleproof_print::sheet::Sheet;
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::card::{self, CardError};
 

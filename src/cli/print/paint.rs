@@ -9,9 +9,9 @@ use serde::Serialize;
 use super::{CommandResult, told, written};
 use crate::cli::{Result, progress};
 use scaleproof_core::spelling::count;
-use scaleproof_print::print::output::SheetOutput;
-use scaleproof_print::print::paint::{PaintArea, PaintRequest, paint_sheets};
-use scaleproof_print::print::template::TemplateRequest;
+use scaleproof_print::output::SheetOutput;
+use scaleproof_print::paint::{PaintArea, PaintRequest, paint_sheets};
+use scaleproof_print::template::TemplateRequest;
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::palette::{Paint, Painted, Palette, PaletteError};
 

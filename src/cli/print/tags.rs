@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::{CommandResult, CutSheetArgs, told, written};
 use scaleproof_core::spelling::count;
 use scaleproof_pose::scene::Scene;
-use scaleproof_print::print::tags::{Ground, TagNote, TagRequest, TagSheets, tag_sheets};
+use scaleproof_print::tags::{Ground, TagNote, TagRequest, TagSheets, tag_sheets};
 
 #[derive(clap::Args)]
 pub(crate) struct TagsArgs {

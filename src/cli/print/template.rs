@@ -13,9 +13,9 @@ use crate::cli::{Result, enlarged, progress, units};
 use scaleproof_core::files;
 use scaleproof_core::spelling;
 use scaleproof_plot::lettering;
-use scaleproof_print::print::output::{SheetFormat, SheetOutput};
-use scaleproof_print::print::paper::{self, Orientation};
-use scaleproof_print::print::template::{
+use scaleproof_print::output::{SheetFormat, SheetOutput};
+use scaleproof_print::paper::{self, Orientation};
+use scaleproof_print::template::{
     Front, LayoutRequest, Template, TemplateError, TemplateRequest, template, texture_template,
 };
 use scaleproof_surface::pattern::{Pattern, card};

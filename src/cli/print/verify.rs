@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::{CommandResult, told, written};
 use scaleproof_core::files;
-use scaleproof_print::print::printer::{Printer, PrinterFile};
+use scaleproof_print::printer::{Printer, PrinterFile};
 
 #[derive(clap::Args)]
 pub(crate) struct VerifyArgs {

@@ -11,7 +11,7 @@ use super::{by_variant, in_words};
 use crate::cli::CommandResult;
 use crate::cli::answer::told;
 use scaleproof_core::{files, spelling};
-use scaleproof_session::session::import::{self, ImportRequest};
+use scaleproof_session::import::{self, ImportRequest};
 
 /// Read boxes and viewpoints from a COCO annotation file or a CSV, and write a session.json beside the photos
 #[derive(clap::Args)]

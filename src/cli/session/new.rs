@@ -13,9 +13,9 @@ use crate::cli::sessions::{self, FolderFiles, pair};
 use crate::cli::{CommandResult, Result};
 use scaleproof_core::files;
 use scaleproof_core::spelling::{self, quoted};
-use scaleproof_session::session::NewSession;
-use scaleproof_session::session::filling;
-use scaleproof_session::session::folders::PhotoFolder;
+use scaleproof_session::NewSession;
+use scaleproof_session::filling;
+use scaleproof_session::folders::PhotoFolder;
 
 /// Make a session of folders with photos of one texture each, or add them to a session
 ///

@@ -11,10 +11,10 @@ use serde::Serialize;
 use crate::cli::{CommandResult, Outcome, advice, progress, sessions};
 use scaleproof_core::{spelling, workers};
 use scaleproof_detect::{Manifest, Recorded, Recording};
-use scaleproof_photo::photo::Photo;
-use scaleproof_score::score::EvaluatedDetector;
-use scaleproof_session::session::contents::{self, Contents, Look};
-use scaleproof_session::session::{PhotoEntry, Session};
+use scaleproof_photo::Photo;
+use scaleproof_score::EvaluatedDetector;
+use scaleproof_session::contents::{self, Contents, Look};
+use scaleproof_session::{PhotoEntry, Session};
 
 /// Show what is in a session: the scene, the camera, photos by texture and place, recordings, and what is amiss
 #[derive(clap::Args)]

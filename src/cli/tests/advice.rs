@@ -2,7 +2,7 @@
 
 use super::*;
 use scaleproof_detect::WeightsError;
-use scaleproof_score::score::{EvaluatedDetectorError, ScoreError};
+use scaleproof_score::{EvaluatedDetectorError, ScoreError};
 
 #[test]
 fn what_the_library_leaves_out_the_commands_add() {

@@ -4,7 +4,7 @@
 use crate::run::judge::{HeldOutFigures, judge_images};
 use crate::run::{Rgb, RunError};
 use crate::setup::Setup;
-use scaleproof_frames::frames::{Frame, FrameSet, FramesError, SurfacePoint, light};
+use scaleproof_frames::{Frame, FrameSet, FramesError, SurfacePoint, light};
 use scaleproof_surface::texture::PlacedPatch;
 
 /// The reflectance at a point of the surface; `None` beside the patch. The hood is part of the roof's side: both look up.

@@ -15,9 +15,10 @@ use serde_json::Value;
 
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::BoxPx;
-use scaleproof_frames::frames::render::{PlannedFrame, RenderError, RenderPlan, RenderRequest, blender, check_folder};
+use scaleproof_frames::render::{PlannedFrame, RenderError, RenderPlan, RenderRequest, blender, check_folder};
 use scaleproof_pose::scene::{Bins, Classes, Envelope, ScaleModel, Scene, Viewpoint};
-use scaleproof_session::session::{self, PhotoEntry, SessionError};
+use scaleproof_session as session;
+use scaleproof_session::{PhotoEntry, SessionError};
 
 /// Why patterns could not be rendered for their evaluation.
 #[derive(Debug, thiserror::Error)]

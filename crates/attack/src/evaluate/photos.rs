@@ -7,10 +7,10 @@ use image::DynamicImage;
 
 use super::{EvaluateError, RenderedSet};
 use scaleproof_core::files;
-use scaleproof_frames::frames::encode_rgb;
-use scaleproof_frames::frames::render::{Missing, PlannedFrame, RenderError, blender, srgb, triples};
-use scaleproof_photo::photo::{Budget, open_png};
-use scaleproof_session::session::PhotoEntry;
+use scaleproof_frames::encode_rgb;
+use scaleproof_frames::render::{Missing, PlannedFrame, RenderError, blender, srgb, triples};
+use scaleproof_photo::{Budget, open_png};
+use scaleproof_session::PhotoEntry;
 
 /// Renders the missing photos into `folder`.
 pub(super) fn render(

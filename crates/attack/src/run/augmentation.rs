@@ -12,8 +12,8 @@ use scaleproof_core::statistics::normal;
 use scaleproof_frames::surrogate::projection::repeated::Jitter;
 use scaleproof_frames::surrogate::projection::world::Misplacement;
 use scaleproof_gradients::separable::{Separable, Tap};
+use scaleproof_photo::as_jpeg;
 use scaleproof_photo::defence::{Defence, Frame};
-use scaleproof_photo::photo::as_jpeg;
 
 /// A kind of augmentation: its name, and what adds it.
 type Kind = (&'static str, fn(&mut Eot));

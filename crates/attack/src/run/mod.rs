@@ -48,7 +48,7 @@ use weights::{Against, DetectorWeights};
 
 use scaleproof_core::files::FileError;
 use scaleproof_core::workers;
-use scaleproof_frames::frames::FramesError;
+use scaleproof_frames::FramesError;
 use scaleproof_frames::surrogate::renderer::FitError;
 use scaleproof_gradients::{Boxes, WhiteBox, WhiteBoxError};
 use scaleproof_pose::scene::Classes;

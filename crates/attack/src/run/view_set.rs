@@ -10,10 +10,10 @@ use super::augmentation::{Augmentation, AugmentedImage, Eot, rolled};
 use super::{Rgb, RunError};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::workers;
-use scaleproof_frames::frames::{Coverage, Frame, FrameList, FrameSet, light, outline, views};
 use scaleproof_frames::surrogate::projection::world::{self, Misplacement};
 use scaleproof_frames::surrogate::projection::{Grid, Projection, repeated};
 use scaleproof_frames::surrogate::renderer::{ClosedForm, FlatImage, PerPixel, Renderer};
+use scaleproof_frames::{Coverage, Frame, FrameList, FrameSet, light, outline, views};
 use scaleproof_gradients::{WhiteBox, WhiteBoxError};
 use scaleproof_surface::pattern::world_aligned::Side;
 

@@ -15,7 +15,7 @@ use scaleproof_attack::run::view_set::{TextureMapping, ViewSet};
 use scaleproof_attack::run::weights::Against;
 use scaleproof_attack::run::{Attack, AttackConfig};
 use scaleproof_detect::{Detector, Hints, Labels, Manifest, Runtime, propose};
-use scaleproof_frames::frames::FrameSet;
+use scaleproof_frames::FrameSet;
 use scaleproof_frames::surrogate::projection::Grid;
 use scaleproof_gradients::detector::OnnxDetector;
 use scaleproof_gradients::onnx::OnnxNetwork;

@@ -27,7 +27,7 @@ use qrcode::QrCode;
 use qrcode::render::unicode::Dense1x2;
 use tokio::sync::{Semaphore, watch};
 
-use crate::capture::{Capture, FrameSource, SourceError, StoreError};
+use crate::{Capture, FrameSource, SourceError, StoreError};
 use access::Access;
 use routes::{MAX_UPLOADS, PageContext};
 use scaleproof_core::files;

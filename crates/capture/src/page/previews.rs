@@ -4,8 +4,8 @@ use std::path::Path;
 
 use image::RgbImage;
 
-use crate::capture::Original;
-use scaleproof_photo::photo::{Budget, Photo, fitting, preview_jpeg, shrunk};
+use crate::Original;
+use scaleproof_photo::{Budget, Photo, fitting, preview_jpeg, shrunk};
 
 /// A frame with its longest side made `longest_side_px`; never larger than it is. `None` for what cannot be read.
 pub(super) fn of_frame(original: &Original, longest_side_px: u32) -> Option<Vec<u8>> {

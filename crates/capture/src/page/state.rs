@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use serde::Serialize;
 
 use super::dial::{DialRing, DialRings};
-use crate::capture::{FrameAnswer, Guidance, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Target};
+use crate::{FrameAnswer, Guidance, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Target};
 use scaleproof_pose::scene::{Bin, Viewpoint};
 use scaleproof_pose::tags::{SeenTag, limit_scale};
 

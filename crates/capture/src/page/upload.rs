@@ -9,8 +9,8 @@ use axum::http::{HeaderMap, HeaderName, StatusCode};
 use http_body_util::BodyExt;
 use tokio::time::{Instant, timeout_at};
 
-use crate::capture::{Original, SourceFrame};
-use scaleproof_photo::photo::{Budget, IPHONE_TO_JPEG, Photo};
+use crate::{Original, SourceFrame};
+use scaleproof_photo::{Budget, IPHONE_TO_JPEG, Photo};
 use scaleproof_pose::camera::Camera;
 
 /// Of one photo.

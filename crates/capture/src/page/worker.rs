@@ -14,7 +14,7 @@ use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
 use super::dial::DialRings;
 use super::state::{self, CaptureInfo, FilmedView, PageState, PairsSoFar, ShownFrame};
 use super::{PageError, ground, upload};
-use crate::capture::{
+use crate::{
     CameraSettings, Capture, FrameAnswer, FrameSource, Guidance, SourceError, SourceFrame, StoreError, Taking,
 };
 use scaleproof_pose::scene::{Bin, Scene};

@@ -1,6 +1,6 @@
 //! Advice as a person hears it.
 
-use scaleproof_capture::capture::NextMove;
+use scaleproof_capture::NextMove;
 
 #[test]
 fn steps_are_said_as_to_a_person() {

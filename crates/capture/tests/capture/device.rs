@@ -1,7 +1,7 @@
 //! Which of its image sizes a camera is opened at.
 
 use nokhwa::utils::{CameraFormat, FrameFormat};
-use scaleproof_capture::capture::live::{LiveCameraError, choose_format};
+use scaleproof_capture::live::{LiveCameraError, choose_format};
 use scaleproof_pose::camera::Camera;
 
 fn offered(all: &[(u32, u32, FrameFormat, u32)]) -> Vec<CameraFormat> {

@@ -1,7 +1,7 @@
 //! The way from where the camera is to the view that is required next.
 
 use nalgebra::{Point3, Vector3};
-use scaleproof_capture::capture::{Guidance, NextMove, Tolerance};
+use scaleproof_capture::{Guidance, NextMove, Tolerance};
 use scaleproof_core::geometry::angle::turn;
 use scaleproof_pose::scene::{Bins, Viewpoint};
 

@@ -4,7 +4,7 @@ use std::io::Read;
 use std::path::Path;
 
 use proptest::prelude::*;
-use scaleproof_capture::capture::live::{Jpegs, jpeg_size};
+use scaleproof_capture::live::{Jpegs, jpeg_size};
 
 /// JPEG files of libjpeg, among them progressive ones, one with restart markers, and one of a single colour.
 fn files() -> Vec<Vec<u8>> {

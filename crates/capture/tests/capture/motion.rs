@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use image::{GrayImage, Luma};
-use scaleproof_capture::capture::{Advice, FrameJudgement, Guidance, Judge, MAX_BLUR_PX, Tolerance};
-use scaleproof_photo::photo::Photo;
+use scaleproof_capture::{Advice, FrameJudgement, Guidance, Judge, MAX_BLUR_PX, Tolerance};
+use scaleproof_photo::Photo;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::Scene;
 use scaleproof_pose::tags::TagDetectorChoice;

@@ -7,9 +7,9 @@ use std::process::{Child, Command, Stdio};
 use std::time::Instant;
 
 use image::RgbImage;
-use scaleproof_capture::capture::stream::{self, StreamAddress};
-use scaleproof_capture::capture::{Capture, FrameSource, Original};
-use scaleproof_photo::photo::Photo;
+use scaleproof_capture::stream::{self, StreamAddress};
+use scaleproof_capture::{Capture, FrameSource, Original};
+use scaleproof_photo::Photo;
 use scaleproof_pose::camera::Camera;
 
 use super::stored::{capture, skyline};

@@ -4,9 +4,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
-use scaleproof_capture::capture::live::{PixelFormat, RawImage};
-use scaleproof_capture::capture::stream::{self, BACK_OFF, Connection, StreamAddress, StreamScheme};
-use scaleproof_capture::capture::{FrameSource, LiveCamera, Original, SourceName};
+use scaleproof_capture::live::{PixelFormat, RawImage};
+use scaleproof_capture::stream::{self, BACK_OFF, Connection, StreamAddress, StreamScheme};
+use scaleproof_capture::{FrameSource, LiveCamera, Original, SourceName};
 
 #[test]
 fn nothing_that_is_shown_of_an_address_has_its_password() {

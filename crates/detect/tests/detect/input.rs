@@ -5,7 +5,7 @@ use image::RgbImage;
 use crate::common::home;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_detect::{Channels, Input, InputPlacement, Kernel, Layout, Manifest, Pad, Resize, Values, tensor};
-use scaleproof_photo::photo::{opencv_linear, shrunk};
+use scaleproof_photo::{opencv_linear, shrunk};
 
 use proptest::prelude::*;
 
@@ -76,7 +76,7 @@ fn the_antialiased_kernel_averages_what_linear_skips() {
 /// OpenCV's linear kernel takes four pixels for one: of a reduced photo it would take others.
 #[test]
 fn only_a_kernel_that_averages_may_see_a_reduced_photo() {
-    let photo = scaleproof_photo::photo::Photo::open(&home().join("captures/skyline/normal_000.jpg")).unwrap();
+    let photo = scaleproof_photo::Photo::open(&home().join("captures/skyline/normal_000.jpg")).unwrap();
     for resize in [
         Resize::Stretch,
         Resize::LetterboxTopLeft,

@@ -1,7 +1,7 @@
 //! Resizing as OpenCV does, held against OpenCV.
 
 use image::RgbImage;
-use scaleproof_photo::photo::{opencv_cubic, opencv_linear};
+use scaleproof_photo::{opencv_cubic, opencv_linear};
 
 use opencv::core::{Mat, Size};
 use opencv::imgproc;

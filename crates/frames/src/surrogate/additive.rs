@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use image::RgbImage;
 
-use crate::frames::{Frame, FramePaint, FrameSet, FramesError, encode_rgb, light, views};
+use crate::{Frame, FramePaint, FrameSet, FramesError, encode_rgb, light, views};
 use scaleproof_core::files;
 use scaleproof_core::geometry::extent;
 

@@ -3,9 +3,9 @@
 use image::RgbImage;
 use serde::Serialize;
 
-use crate::frames::{Coverage, Frame, FrameSet, FramesError, light, views};
 use crate::surrogate::projection::{Grid, Projection, repeated, world};
 use crate::surrogate::renderer::{ClosedForm, FitError, FlatImage, NeuralRenderer, PerPixel, Renderer};
+use crate::{Coverage, Frame, FrameSet, FramesError, light, views};
 use scaleproof_core::workers::fastest;
 use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
 

@@ -1,4 +1,4 @@
-use scaleproof_frames::frames::render::blender::{BlenderEvent, follow};
+use scaleproof_frames::render::blender::{BlenderEvent, follow};
 
 #[test]
 fn the_scripts_lines_are_told_from_blenders() {

@@ -1,5 +1,5 @@
 use image::{GrayImage, Luma, Rgb, RgbImage};
-use scaleproof_frames::frames::photos::contrast::is_in_order;
+use scaleproof_frames::photos::contrast::is_in_order;
 
 #[test]
 fn lighter_colours_must_look_lighter() {

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use scaleproof_frames::frames::FrameSet;
+use scaleproof_frames::FrameSet;
 use scaleproof_frames::surrogate::dtn::data::TrainingSet;
 use scaleproof_frames::surrogate::dtn::training::{Trainer, TrainingPlan};
 use scaleproof_frames::surrogate::dtn::{Architecture, DtnError, Encoder, Transformer, file};

@@ -1,6 +1,6 @@
 //! What decoding may cost.
 
-use scaleproof_photo::photo::{Budget, DecodeCost};
+use scaleproof_photo::{Budget, DecodeCost};
 
 #[test]
 fn photos_of_real_cameras_are_within_and_bombs_are_not() {

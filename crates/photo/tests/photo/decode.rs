@@ -5,7 +5,7 @@ use std::path::Path;
 
 use image::{ImageFormat, RgbImage};
 use proptest::prelude::*;
-use scaleproof_photo::photo::{Budget, Photo, PhotoError};
+use scaleproof_photo::{Budget, Photo, PhotoError};
 
 fn decode(bytes: &[u8]) -> Result<RgbImage, PhotoError> {
     Photo::from_bytes(Path::new("picture"), bytes.to_vec(), Budget::FILE)?.rgb(1)

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use image::RgbImage;
-use scaleproof_photo::photo::{Budget, Photo, preview_jpeg};
+use scaleproof_photo::{Budget, Photo, preview_jpeg};
 
 /// TIFF 6.0, section 2: numbers of a type, and how many bytes they take.
 #[derive(Clone, Copy, Debug, PartialEq)]

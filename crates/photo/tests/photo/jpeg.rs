@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use image::{DynamicImage, ImageFormat, RgbImage, imageops};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use scaleproof_photo::photo::{Budget, Photo};
+use scaleproof_photo::{Budget, Photo};
 
 use crate::common::{home, oriented, skyline};
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use image::GrayImage;
-use scaleproof_photo::photo::{Budget, Luma, Photo};
+use scaleproof_photo::{Budget, Luma, Photo};
 
 #[test]
 fn reducing_takes_means_and_leaves_the_rest_out() {

@@ -1,6 +1,6 @@
 use image::codecs::jpeg::JpegEncoder;
 use image::{RgbImage, imageops};
-use scaleproof_photo::photo::{bits_apart, perceptual_hash};
+use scaleproof_photo::{bits_apart, perceptual_hash};
 
 use crate::common;
 

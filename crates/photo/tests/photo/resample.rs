@@ -1,7 +1,7 @@
 //! Pictures at other sizes, against those that Pillow and OpenCV made (`tests/data/make_resized.py`).
 
 use image::RgbImage;
-use scaleproof_photo::photo::{Filter, opencv_cubic, resampled};
+use scaleproof_photo::{Filter, opencv_cubic, resampled};
 
 use crate::common::home;
 

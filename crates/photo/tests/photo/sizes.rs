@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use image::RgbImage;
 use image::codecs::jpeg::JpegEncoder;
-use scaleproof_photo::photo::{Photo, opencv_linear};
+use scaleproof_photo::{Photo, opencv_linear};
 
 /// A JPEG of 64 × 48 pixels in a file, its left half red.
 fn half_red(folder: &Path) -> PathBuf {

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use super::Camera;
-use scaleproof_photo::photo::Lens;
+use scaleproof_photo::Lens;
 
 /// Uncertainty of a guessed focal length.
 #[derive(Debug, Clone, Copy, PartialEq)]

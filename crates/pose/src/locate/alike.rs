@@ -9,7 +9,7 @@ use super::{LocatedPhoto, locate_photo, spread};
 use crate::camera::Camera;
 use crate::scene::{Scene, TagFamily};
 use crate::tags::{SeenTag, TagDetector, TagDetectorChoice};
-use scaleproof_photo::photo::Photo;
+use scaleproof_photo::Photo;
 
 /// Largest number of failed photos that are listed one by one, without a common cause.
 pub const MOST_LISTED: usize = 3;

@@ -6,7 +6,7 @@ use crate::camera::{Camera, FittedCamera, SizeError};
 use crate::scene::Scene;
 use crate::tags::{HOPELESS_BLUR_PX, SeenTag, TagDetector, limit_scale, sharpest_edges_px};
 use scaleproof_core::geometry::Rigid;
-use scaleproof_photo::photo::{Luma, Photo, PhotoError};
+use scaleproof_photo::{Luma, Photo, PhotoError};
 
 /// Result of locating one photo.
 #[derive(Debug, Clone)]

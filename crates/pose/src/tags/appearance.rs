@@ -7,7 +7,7 @@ use super::part::Part;
 use super::{SeenTag, TagHomography, border, refine};
 use scaleproof_core::geometry::distance;
 use scaleproof_core::statistics::upper_median;
-use scaleproof_photo::photo::Luma;
+use scaleproof_photo::Luma;
 
 /// Half width of the band about a side in which its blur is fitted, in bit cells and px, as in the fit of corners.
 const BAND_CELLS: f64 = 0.6;

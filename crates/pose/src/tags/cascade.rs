@@ -15,7 +15,7 @@ use super::merge::MergedTags;
 use super::search::{Found, Search, Strength, reduced_by};
 use super::{SeenTag, StartError, TagDetector, rivals};
 use crate::scene::TagFamily;
-use scaleproof_photo::photo::{Luma, REDUCTIONS};
+use scaleproof_photo::{Luma, REDUCTIONS};
 
 /// Maximum long side of searched images, px; larger ones are reduced to it.
 const SEARCHED_PX: u32 = 1600;

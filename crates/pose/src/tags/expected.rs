@@ -10,7 +10,7 @@ use super::refine::{self, TagSides};
 use super::search::Found;
 use super::{TagImage, shortest_side_px};
 use crate::scene::TagFamily;
-use scaleproof_photo::photo::Luma;
+use scaleproof_photo::Luma;
 
 /// Tag predicted by a possible pose.
 #[derive(Debug, Clone, PartialEq)]

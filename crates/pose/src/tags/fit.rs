@@ -5,7 +5,7 @@ use super::refine::{self, TagSides};
 use super::search::{Found, Search};
 use super::{SeenTag, TagDetector, TagImage, inset};
 use scaleproof_core::statistics::upper_median;
-use scaleproof_photo::photo::Luma;
+use scaleproof_photo::Luma;
 
 /// Detector of a library's search, followed by the common fit: detectors then differ in what they find, not in corner positions.
 pub(super) struct WithFittedCorners<S>(pub S);

@@ -4,7 +4,7 @@ use super::fit::{self, TagFit};
 use super::search::Found;
 use super::{SeenTag, middle_px, shortest_side_px};
 use scaleproof_core::geometry::distance;
-use scaleproof_photo::photo::Luma;
+use scaleproof_photo::Luma;
 
 /// Tags found by several searches.
 #[derive(Default)]

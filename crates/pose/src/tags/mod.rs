@@ -30,7 +30,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::scene::TagFamily;
 use scaleproof_core::geometry::distance;
-use scaleproof_photo::photo::Luma;
+use scaleproof_photo::Luma;
 
 pub use appearance::{Appearance, edge_blurs, paper_levels};
 pub use apriltag_c::AprilTagC;

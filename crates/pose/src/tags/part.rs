@@ -4,7 +4,7 @@ use image::GrayImage;
 
 use super::sides_px;
 use scaleproof_core::geometry::extent;
-use scaleproof_photo::photo::Luma;
+use scaleproof_photo::Luma;
 
 /// Pixels around a tag, with the position of its pixel (0, 0) in the image.
 pub(super) struct Part {

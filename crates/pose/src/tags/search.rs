@@ -4,7 +4,7 @@ use image::GrayImage;
 
 use super::{SeenTag, TagDetector};
 use crate::scene::TagFamily;
-use scaleproof_photo::photo::Luma;
+use scaleproof_photo::Luma;
 
 /// Tag as a library found it, before its sides are fitted and its border is tested.
 pub(super) struct Found {

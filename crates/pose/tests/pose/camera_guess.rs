@@ -1,6 +1,6 @@
 //! A camera guessed from EXIF: the stated bound covers what makers and editors do, and what no camera has is refused.
 
-use scaleproof_photo::photo::Lens;
+use scaleproof_photo::Lens;
 use scaleproof_pose::camera::{Camera, GuessError};
 
 /// A camera as its maker knows it: the whole sensor's pixels, their pitch in µm, and the focal length in mm.

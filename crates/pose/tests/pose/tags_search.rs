@@ -1,7 +1,7 @@
 //! What a library is shown of an image.
 
 use image::GrayImage;
-use scaleproof_photo::photo::Luma;
+use scaleproof_photo::Luma;
 use scaleproof_pose::tags::library_reduction;
 
 #[test]

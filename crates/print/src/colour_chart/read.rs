@@ -9,7 +9,7 @@ use super::light::{ChartLight, Surface};
 use super::sample::{PatchSample, sample};
 use super::{ColourChartError, place};
 use scaleproof_core::geometry::extent;
-use scaleproof_photo::photo::{Photo, PhotoError};
+use scaleproof_photo::{Photo, PhotoError};
 use scaleproof_pose::scene::TagFamily;
 use scaleproof_pose::tags::TagDetector;
 use scaleproof_surface::pattern::colour::Lab;

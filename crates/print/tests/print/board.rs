@@ -1,8 +1,8 @@
 //! Definitions of boards and their files.
 
-use scaleproof_print::print::board::{BoardKind, BoardRequest, Definition, definition};
-use scaleproof_print::print::media::Media;
-use scaleproof_print::print::paper::Paper;
+use scaleproof_print::board::{BoardKind, BoardRequest, Definition, definition};
+use scaleproof_print::media::Media;
+use scaleproof_print::paper::Paper;
 
 #[test]
 fn the_file_comes_back_as_it_was() {

@@ -1,6 +1,6 @@
 //! Days as the user gives them.
 
-use scaleproof_print::print::date::Date;
+use scaleproof_print::date::Date;
 
 #[test]
 fn only_real_days_are_dates() {

@@ -1,8 +1,8 @@
 //! Templates spread over sheets.
 
-use scaleproof_print::print::media::Media;
-use scaleproof_print::print::paper::{Orientation, Paper, Stock};
-use scaleproof_print::print::template::{LayoutRequest, layout};
+use scaleproof_print::media::Media;
+use scaleproof_print::paper::{Orientation, Paper, Stock};
+use scaleproof_print::template::{LayoutRequest, layout};
 
 pub fn request(size_mm: (f64, f64)) -> LayoutRequest {
     LayoutRequest {

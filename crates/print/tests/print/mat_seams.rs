@@ -1,7 +1,7 @@
 //! Where the ground mat is cut.
 
 use proptest::prelude::*;
-use scaleproof_print::print::tags::seams::SeamAxis;
+use scaleproof_print::tags::seams::SeamAxis;
 
 fn axis(size: f64, keep: Vec<(f64, f64)>) -> SeamAxis {
     SeamAxis {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use scaleproof_print::print::output::{SheetFormat, SheetOutput};
+use scaleproof_print::output::{SheetFormat, SheetOutput};
 
 #[test]
 fn the_ending_chooses_the_format_and_no_other_is_taken() {

@@ -1,8 +1,8 @@
 //! Rectangles on pages.
 
 use proptest::prelude::*;
-use scaleproof_print::print::pack::{Spot, tight};
-use scaleproof_print::print::sheet::RectMm;
+use scaleproof_print::pack::{Spot, tight};
+use scaleproof_print::sheet::RectMm;
 
 proptest! {
     #[test]

@@ -1,6 +1,6 @@
 //! Names and sizes of paper.
 
-use scaleproof_print::print::paper::{Paper, Stock};
+use scaleproof_print::paper::{Paper, Stock};
 
 #[test]
 fn rolls_have_a_width() {

@@ -1,6 +1,6 @@
 //! Lengths in a PDF.
 
-use scaleproof_print::print::pdf::pt;
+use scaleproof_print::pdf::pt;
 
 #[test]
 fn positions_hold_over_the_largest_page() {

@@ -1,6 +1,6 @@
 //! Exact areas of the plane.
 
-use scaleproof_print::print::paint::plane::{Area, Bounds, PlaneOutline, PlanePoint, swept};
+use scaleproof_print::paint::plane::{Area, Bounds, PlaneOutline, PlanePoint, swept};
 
 fn square(left: i32, bottom: i32, side: i32) -> PlaneOutline {
     Bounds {

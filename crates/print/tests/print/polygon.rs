@@ -1,6 +1,6 @@
 //! Polygons shared between cells.
 
-use scaleproof_print::print::polygon::{Affine, area, each_slice, within};
+use scaleproof_print::polygon::{Affine, area, each_slice, within};
 
 #[test]
 fn a_square_is_shared_between_cells_by_area() {

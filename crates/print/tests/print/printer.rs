@@ -1,6 +1,6 @@
 //! Printers and their files.
 
-use scaleproof_print::print::printer::{NOMINAL_MM, Printer, PrinterFile};
+use scaleproof_print::printer::{NOMINAL_MM, Printer, PrinterFile};
 
 #[test]
 fn a_printer_file_reads_back() {

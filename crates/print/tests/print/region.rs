@@ -1,6 +1,6 @@
 //! Areas of the plane.
 
-use scaleproof_print::print::wrap::{Contour, Region};
+use scaleproof_print::wrap::{Contour, Region};
 
 fn square(x: f64, y: f64, side: f64) -> Contour {
     vec![[x, y], [x + side, y], [x + side, y + side], [x, y + side]]

@@ -1,7 +1,7 @@
 //! Letters of the seams of a template.
 
 use crate::layout::request;
-use scaleproof_print::print::template::{layout, letters};
+use scaleproof_print::template::{layout, letters};
 
 #[test]
 fn both_sheets_of_a_seam_have_its_letter() {

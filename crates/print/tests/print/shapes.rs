@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use scaleproof_pose::tags::Modules;
-use scaleproof_print::print::shapes::{TagPlacement, black_modules, clipped, overlap};
-use scaleproof_print::print::sheet::{PointMm, RectMm};
+use scaleproof_print::shapes::{TagPlacement, black_modules, clipped, overlap};
+use scaleproof_print::sheet::{PointMm, RectMm};
 
 fn area(outline: &[PointMm]) -> f64 {
     let next = outline.iter().cycle().skip(1);

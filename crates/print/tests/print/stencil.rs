@@ -1,8 +1,8 @@
 //! Stencils that hold together.
 
 use proptest::prelude::*;
-use scaleproof_print::print::paint::plane::{self, Area, Bounds, PlaneOutline, PlanePoint, units};
-use scaleproof_print::print::paint::{Rules, Stencil, stencil};
+use scaleproof_print::paint::plane::{self, Area, Bounds, PlaneOutline, PlanePoint, units};
+use scaleproof_print::paint::{Rules, Stencil, stencil};
 
 const RULES: Rules = Rules {
     min_feature_mm: 1.5,

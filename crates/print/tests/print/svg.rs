@@ -1,6 +1,6 @@
 //! Text and lengths in an SVG.
 
-use scaleproof_print::print::svg::{escaped, length};
+use scaleproof_print::svg::{escaped, length};
 
 #[test]
 fn text_cannot_break_the_file() {

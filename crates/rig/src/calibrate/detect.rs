@@ -11,7 +11,7 @@ use super::SeenCorner;
 use super::sharpness::{BLURRED_PX, edge_width_px};
 use scaleproof_core::geometry::{distance, extent};
 use scaleproof_core::statistics::upper_median;
-use scaleproof_photo::photo::Luma;
+use scaleproof_photo::Luma;
 use scaleproof_pose::board::{Definition, Marker};
 use scaleproof_pose::tags::{
     DictionaryError, MarkerDictionary, SeenMarker, enlarged, least_reduction, marker_search, sides_px,

@@ -10,7 +10,7 @@ use super::target::{LEAST_TAGS, Target, corners_of};
 use super::{BoardPhoto, UnusedPhoto, detect, sharpness};
 use scaleproof_core::statistics::upper_median;
 use scaleproof_core::{files, workers};
-use scaleproof_photo::photo::turned_to_sensor;
+use scaleproof_photo::turned_to_sensor;
 use scaleproof_pose::tags::{CornersBy, StartError, TagDetector, TagDetectorChoice};
 use scaleproof_video::{Frame, Selection, Video, VideoError};
 

@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::{DMatrix, Point3};
 
 use scaleproof_core::{files, workers};
-use scaleproof_photo::photo::Photo;
+use scaleproof_photo::Photo;
 use scaleproof_pose::board::Definition;
 use scaleproof_pose::camera::Camera;
 

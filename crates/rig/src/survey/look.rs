@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::PhotoTags;
 use scaleproof_core::workers;
-use scaleproof_photo::photo::{Photo, PhotoError};
+use scaleproof_photo::{Photo, PhotoError};
 use scaleproof_pose::camera::{Camera, FittedCamera, SizeError};
 use scaleproof_pose::scene::{Scene, TagFamily};
 use scaleproof_pose::tags::{AprilTagC, SeenTag, StartError, TagDetector};

@@ -2,7 +2,7 @@
 
 use rand_pcg::Pcg64Mcg;
 use scaleproof_pose::simulate::normal;
-use scaleproof_score::score::HIT_CONFIDENCE;
+use scaleproof_score::HIT_CONFIDENCE;
 
 use crate::DETECTORS;
 use crate::spread::Spread;

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use scaleproof_detect::Manifest;
-use scaleproof_score::score::{Options, Scores, evaluated_detectors, paired_photos, score};
-use scaleproof_session::session::Session;
+use scaleproof_score::{Options, Scores, evaluated_detectors, paired_photos, score};
+use scaleproof_session::Session;
 
 use crate::DETECTORS;
 

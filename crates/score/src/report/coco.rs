@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::counted;
-use crate::score::{EvaluatedDetector, ScoredPhoto, Scores};
+use crate::{EvaluatedDetector, ScoredPhoto, Scores};
 use scaleproof_pose::scene::Viewpoint;
 
 #[derive(Serialize)]

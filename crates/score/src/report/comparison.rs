@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::html::comparison as page;
 use super::provenance::{self, Provenance};
 use super::{ReportError, certainty, comparison_csv, counted, figures, latex, paired, paper, screen, tables, verdict};
-use crate::score::{Compared, Comparison, Difference, NotScored, Scores, comparison_definitions};
+use crate::{Compared, Comparison, Difference, NotScored, Scores, comparison_definitions};
 use scaleproof_core::files;
 use scaleproof_core::spelling::digits;
 

@@ -4,7 +4,7 @@
 use serde_json::json;
 
 use super::{ReportError, Row, counted, csv_of};
-use crate::score::{Compared, Comparison, Control, Difference, Scores};
+use crate::{Compared, Comparison, Control, Difference, Scores};
 
 pub fn render(scores: &Scores, comparison: &Comparison) -> Result<String, ReportError> {
     let control = comparison.control.iter().flat_map(|control| &control.results);

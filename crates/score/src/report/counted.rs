@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::score::{EvaluatedDetector, Scores};
+use crate::{EvaluatedDetector, Scores};
 use scaleproof_plot::distinct;
 use scaleproof_pose::scene::Classes;
 

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::{ReportError, Row, csv_of, other_label};
-use crate::score::{EvaluatedDetector, Protocol, ScoredPhoto, Scores};
+use crate::{EvaluatedDetector, Protocol, ScoredPhoto, Scores};
 
 pub fn render(scores: &Scores) -> Result<String, ReportError> {
     let scored = scores.photos.iter().flat_map(|photo| {

@@ -4,7 +4,7 @@ use serde_json::json;
 
 use super::robustness::columns;
 use super::{ReportError, counted, csv_of, tables};
-use crate::score::{Defences, Scores};
+use crate::{Defences, Scores};
 
 pub(super) const NAMES: [&str; 2] = ["defences.csv", "defences.tex"];
 

@@ -1,6 +1,6 @@
 //! An evaluation of patterns: the paper's tables (DTA, tables 1 and 2) and the paired differences behind them.
 
-use crate::score::{Compared, Comparison, EvaluatedDetector, Figures, Scores};
+use crate::{Compared, Comparison, EvaluatedDetector, Figures, Scores};
 
 pub struct Evaluation<'a> {
     pub scores: &'a Scores,

@@ -2,7 +2,7 @@
 
 use super::evaluation::Evaluation;
 use super::{counted, tables, verdict};
-use crate::score::BASE_VARIANT;
+use crate::BASE_VARIANT;
 
 /// Returns the verdict, the paper's tables, and the differences of AP@0.5 with their intervals.
 pub fn evaluation_tables(evaluation: &Evaluation) -> String {

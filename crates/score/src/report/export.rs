@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use super::{coco, counted};
-use crate::score::{ScoredPhoto, Scores};
+use crate::{ScoredPhoto, Scores};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_detect::{Labels, flat_name};
 

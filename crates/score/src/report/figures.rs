@@ -1,7 +1,7 @@
 //! Charts of the pages as SVG and PDF files for papers.
 
 use super::{ReportError, certainty, html};
-use crate::score::{Comparison, Scores, paired};
+use crate::{Comparison, Scores, paired};
 use scaleproof_detect::Speeds;
 use scaleproof_plot::{Drawing, Explained, figure};
 

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::{ReportError, Row, counted, csv_of};
-use crate::score::{Asr, Drop, Figures, Protocol, Rate, Scores, Summary};
+use crate::{Asr, Drop, Figures, Protocol, Rate, Scores, Summary};
 use scaleproof_pose::scene::Bin;
 
 pub fn render(scores: &Scores) -> Result<String, ReportError> {

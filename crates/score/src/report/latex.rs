@@ -3,7 +3,7 @@
 use super::evaluation::Evaluation;
 use super::tex::{escaped, number, row, tabular};
 use super::{Cell, certainty, p_value, paired, tables};
-use crate::score::{Compared, Comparison, Difference, Effect, Scores, disagreements, paired as all_paired};
+use crate::{Compared, Comparison, Difference, Effect, Scores, disagreements, paired as all_paired};
 
 /// Returns the whole file: a comment that explains the numbers, and one `tabular`.
 pub fn table(scores: &Scores) -> String {

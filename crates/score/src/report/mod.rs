@@ -35,7 +35,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use serde_json::Value;
 
-use crate::score::{EvaluatedDetector, ScoredPhoto, Scores};
+use crate::{EvaluatedDetector, ScoredPhoto, Scores};
 use scaleproof_core::files;
 use scaleproof_core::spelling::digits;
 use scaleproof_detect::{Manifest, Speeds, coco_results};

@@ -1,7 +1,7 @@
 //! Sentences about the drop on paired photos: they stand beside every drop.
 
 use super::p_value;
-use crate::score::{BASE_VARIANT, Compared, Difference, Effect, Finding, PlanCheck, Scores, paired, paired_control};
+use crate::{BASE_VARIANT, Compared, Difference, Effect, Finding, PlanCheck, Scores, paired, paired_control};
 use scaleproof_core::spelling::{self, digits};
 use scaleproof_core::statistics::Interval;
 

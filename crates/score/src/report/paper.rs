@@ -2,7 +2,7 @@
 
 use super::paired::{WITHHELD, is_withheld, named_base};
 use super::{p_value, verdict};
-use crate::score::{Compared, Comparison, Effect, PlanCheck, Scores};
+use crate::{Compared, Comparison, Effect, PlanCheck, Scores};
 use scaleproof_core::spelling::{self, digits};
 use scaleproof_plot::distinct;
 

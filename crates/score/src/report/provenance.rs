@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 
 use super::counted;
-use crate::score::{AppliedSettings, DetectionSource, EvaluatedDetector, Protocol, Scores, WornPattern};
+use crate::{AppliedSettings, DetectionSource, EvaluatedDetector, Protocol, Scores, WornPattern};
 use scaleproof_core::files;
 use scaleproof_detect::{Recorded, SCORE_FLOOR};
 

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::{ReportError, counted, csv_of};
-use crate::score::{Difference, Held, Robustness, Scores};
+use crate::{Difference, Held, Robustness, Scores};
 
 pub(super) const NAME: &str = "robustness.csv";
 

@@ -1,7 +1,7 @@
 //! Screen of a scoring run: the verdict, one table, and on request the rest.
 
 use super::{Table, certainty, counted, paper, tables, truth_boxes, verdict};
-use crate::score::{Scores, disagreements, paired as all_paired};
+use crate::{Scores, disagreements, paired as all_paired};
 
 /// Number of letters that fit on a line of a screen.
 const LETTERS: usize = 100;

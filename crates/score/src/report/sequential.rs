@@ -2,7 +2,7 @@
 
 use super::p_value;
 use super::paired::briefly;
-use crate::score::{ClusteredBy, Course, Decision, Scores, Sequential, SequentialFinding};
+use crate::{ClusteredBy, Course, Decision, Scores, Sequential, SequentialFinding};
 use scaleproof_core::spelling;
 
 /// Evidence from which a drop is shown, as a base-10 logarithm (a factor of 40).

@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::provenance::{self, Provenance};
 use super::{counted, paper, tables};
-use crate::score::{
+use crate::{
     Compared, Curves, Defences, NotScored, ProtocolTable, Ranking, Reliability, Robustness, Scores, Summary,
     TransferRow, curves, disagreements, paired, protocol_table, reliability, transfer,
 };

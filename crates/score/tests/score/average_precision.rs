@@ -6,7 +6,7 @@ use std::path::Path;
 
 use common::{home, read_json, shared};
 use scaleproof_core::geometry::BoxPx;
-use scaleproof_score::score::{ApDefinition, ImageBoxes, average_precision, average_precision_as, over_ious};
+use scaleproof_score::{ApDefinition, ImageBoxes, average_precision, average_precision_as, over_ious};
 use serde_json::Value;
 
 fn box_of(v: &Value) -> BoxPx {

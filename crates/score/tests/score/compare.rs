@@ -1,4 +1,4 @@
-use scaleproof_score::score::compare::difference;
+use scaleproof_score::compare::difference;
 
 /// Sums that differ by their order of addition alone are the same, and have no interval; nor has a difference that is the same in all resamples.
 #[test]

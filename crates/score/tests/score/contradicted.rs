@@ -8,9 +8,9 @@ use crate::common;
 
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_pose::scene::Viewpoint;
-use scaleproof_score::score::shard::ShardId;
-use scaleproof_score::score::{Cache, Options, ScoreError, Scores, merge, observe, score};
-use scaleproof_session::session::{PhotoEntry, Session};
+use scaleproof_score::shard::ShardId;
+use scaleproof_score::{Cache, Options, ScoreError, Scores, merge, observe, score};
+use scaleproof_session::{PhotoEntry, Session};
 
 /// Where the model is in each photo, in the order of the list, and from where it is seen.
 fn truth() -> Vec<(Viewpoint, BoxPx)> {
@@ -193,7 +193,7 @@ fn nothing_contradicts_a_list_without_tags_without_a_camera_or_without_a_pose() 
 
 /// The photos that stay and those that were left out, with their reasons.
 fn results(scores: &Scores) -> String {
-    let photo = |p: &scaleproof_score::score::ScoredPhoto| format!("{} {:?} {:?}", p.file, p.truth, p.tag_marks);
+    let photo = |p: &scaleproof_score::ScoredPhoto| format!("{} {:?} {:?}", p.file, p.truth, p.tag_marks);
     let photos: Vec<String> = scores.photos.iter().map(photo).collect();
     format!("{photos:?} {:?}", scores.not_scored)
 }

@@ -6,11 +6,11 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use scaleproof_detect::{Detection, Manifest};
 use scaleproof_score::report;
-use scaleproof_score::score::{
+use scaleproof_score::{
     ApDefinition, ClusteredBy, Compared, Comparison, Criteria, Effect, Options, ScoredPhoto, Scores, SequentialFinding,
     compare, evaluated_detectors, score, sequential,
 };
-use scaleproof_session::session::Session;
+use scaleproof_session::Session;
 
 /// Each with one photo of each of eight directions and texture: 24 clusters.
 const PLACES: [&str; 3] = ["a", "b", "c"];
@@ -350,7 +350,7 @@ fn a_control_holds_back_what_it_moves_by_as_much() {
     assert!(control.results.iter().all(|r| r.finding.is_none()));
     assert!((control.results[0].mean_confidence.drop - 0.25).abs() < 1e-12);
     // `score` says the same.
-    assert_eq!(scaleproof_score::score::paired(&scores), held.results);
+    assert_eq!(scaleproof_score::paired(&scores), held.results);
     let screen = report::comparison_table(&scores, &held);
     for (row, times) in [
         (" random   nothing shown (withheld) ", 2),

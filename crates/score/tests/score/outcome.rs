@@ -1,6 +1,6 @@
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_detect::Detection;
-use scaleproof_score::score::{PhotoOutcome, Thresholds, Verdict};
+use scaleproof_score::{PhotoOutcome, Thresholds, Verdict};
 
 const CAR: usize = 2;
 const TRUCK: usize = 7;

@@ -7,11 +7,11 @@ use rand_pcg::Pcg64Mcg;
 use scaleproof_core::statistics::{shares, sign_flip_p};
 use scaleproof_detect::Manifest;
 use scaleproof_pose::simulate::normal;
-use scaleproof_score::score::{
+use scaleproof_score::{
     Aim, Endpoint, Observed, Options, PlanError, Question, Scores, Spread, SpreadFrom, evaluated_detectors, score,
     sequential_plan,
 };
-use scaleproof_session::session::Session;
+use scaleproof_session::Session;
 
 const USUAL: Question = Question {
     drop: 0.2,

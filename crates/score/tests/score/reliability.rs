@@ -1,5 +1,5 @@
-use scaleproof_score::score::Reliability;
-use scaleproof_score::score::reliability::deviation;
+use scaleproof_score::Reliability;
+use scaleproof_score::reliability::deviation;
 
 #[test]
 fn four_detections_by_hand() {

@@ -1,4 +1,4 @@
-use scaleproof_score::score::shard::{Run, Shard, ShardError, ShardId, ShardIdError, ShardObservations, whole_run};
+use scaleproof_score::shard::{Run, Shard, ShardError, ShardId, ShardIdError, ShardObservations, whole_run};
 
 fn parsed(text: &str, environment: &[(&str, &str)]) -> Result<ShardId, ShardIdError> {
     let find = |name: &str| {

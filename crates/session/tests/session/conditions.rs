@@ -1,4 +1,4 @@
-use scaleproof_session::session::conditions::{is_name, read};
+use scaleproof_session::conditions::{is_name, read};
 
 #[test]
 fn values_are_texts_whatever_they_were() {

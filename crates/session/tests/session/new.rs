@@ -1,4 +1,4 @@
-use scaleproof_session::session::new::{free_name, path_between};
+use scaleproof_session::new::{free_name, path_between};
 use std::collections::BTreeSet;
 use std::path::Path;
 

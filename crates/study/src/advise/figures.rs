@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use scaleproof_core::statistics::Interval;
-use scaleproof_score::score::{ApDefinition, CompareError, Effect, Scores, compare, moved_drops};
+use scaleproof_score::{ApDefinition, CompareError, Effect, Scores, compare, moved_drops};
 
 /// The drop of AP of one detector and texture, by one definition and envelope.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]

@@ -7,12 +7,12 @@ use image::GrayImage;
 use super::way::Way;
 use crate::chart::timed_tags;
 use scaleproof_core::workers::{self, fastest};
-use scaleproof_photo::photo::{Filter, Photo, PhotoError, grey_resized};
+use scaleproof_photo::{Filter, Photo, PhotoError, grey_resized};
 use scaleproof_pose::camera::{Camera, FittedCamera};
 use scaleproof_pose::locate::{Located, locate_by};
 use scaleproof_pose::scene::{Scene, Tag};
 use scaleproof_pose::tags::{SeenTag, TagDetector, TagDetectorChoice};
-use scaleproof_session::session::{PhotoEntry, Session};
+use scaleproof_session::{PhotoEntry, Session};
 
 #[derive(Debug, Clone)]
 pub struct Sample {

@@ -5,7 +5,7 @@ use super::result::{Advice, CameraCheck, CameraVerdict, Choice, Verdict};
 use super::way::Question;
 use scaleproof_core::spelling::{count, digits};
 use scaleproof_core::statistics::Interval;
-use scaleproof_score::score::ApDefinition;
+use scaleproof_score::ApDefinition;
 
 /// Returns a table for each question, the answers from small to large as they were measured.
 pub fn table(all: &Advice) -> String {

@@ -4,9 +4,9 @@ use serde::Serialize;
 
 use super::MeasureError;
 use super::locate::detectors;
-use scaleproof_capture::capture::{Guidance, Judge, Tolerance};
+use scaleproof_capture::{Guidance, Judge, Tolerance};
 use scaleproof_core::workers::fastest;
-use scaleproof_photo::photo::{Budget, Photo};
+use scaleproof_photo::{Budget, Photo};
 use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Bins, Scene};

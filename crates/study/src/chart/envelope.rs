@@ -8,14 +8,14 @@ use super::{MeasureError, milliseconds, true_boxes};
 use scaleproof_core::geometry::{BoxPx, Rigid};
 use scaleproof_core::statistics::median;
 use scaleproof_core::workers::fastest;
-use scaleproof_photo::photo::Photo;
+use scaleproof_photo::Photo;
 use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, scatter};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::locate_photo;
 use scaleproof_pose::scene::ScaleModel;
 use scaleproof_pose::tags::TagDetectorChoice;
+use scaleproof_session::Session;
 use scaleproof_session::envelope::{self, EnvelopeError, EnvelopeShape};
-use scaleproof_session::session::Session;
 
 /// A photo with its pose and its exact box.
 #[derive(Debug, Clone)]

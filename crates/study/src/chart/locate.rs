@@ -9,13 +9,13 @@ use super::{MeasureError, milliseconds, timed_tags, true_views};
 use scaleproof_core::geometry::angle;
 use scaleproof_core::statistics::upper_median;
 use scaleproof_core::workers::fastest;
-use scaleproof_photo::photo::{Filter, Photo, grey_resized};
+use scaleproof_photo::{Filter, Photo, grey_resized};
 use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::{self, Solver};
 use scaleproof_pose::scene::{Scene, Viewpoint};
 use scaleproof_pose::tags::{SeenTag, TagDetectorChoice};
-use scaleproof_session::session::Session;
+use scaleproof_session::Session;
 
 /// Number of the camera file's distortion coefficients that are used: none (`pinhole`), the first alone (`k1`) or all (`full`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]

@@ -17,14 +17,14 @@ use serde::Serialize;
 
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::workers::fastest;
-use scaleproof_photo::photo::PhotoError;
+use scaleproof_photo::PhotoError;
 use scaleproof_plot::{PlotAxis, Scale, distinct};
 use scaleproof_pose::camera::{Camera, SizeError};
 use scaleproof_pose::locate::locate_luma;
 use scaleproof_pose::scene::Scene;
 use scaleproof_pose::tags::{SeenTag, StartError, TagDetector, TagDetectorChoice};
 use scaleproof_session::envelope::EnvelopeError;
-use scaleproof_session::session::{Session, SessionError};
+use scaleproof_session::{Session, SessionError};
 pub use spoil::Spoil;
 pub use truth::{TruthError, true_boxes, true_views};
 

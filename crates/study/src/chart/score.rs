@@ -6,8 +6,8 @@ use scaleproof_core::statistics::upper_median;
 use scaleproof_core::workers::stopwatch::{Stage, StageMs};
 use scaleproof_plot::Anchor::{End, Start};
 use scaleproof_plot::{BLACK, Drawing, Explained, Mark, colour, figure};
-use scaleproof_score::score::{EvaluatedDetector, ScoreError, TimedPhoto, timed_photos};
-use scaleproof_session::session::{PhotoEntry, Session};
+use scaleproof_score::{EvaluatedDetector, ScoreError, TimedPhoto, timed_photos};
+use scaleproof_session::{PhotoEntry, Session};
 
 /// One detector on a session.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]

@@ -20,7 +20,7 @@ use scaleproof_pose::locate::{FOCAL_SHARE, Located, SPREAD, Sigma, area_px, loca
 use scaleproof_pose::scene::{Scene, Tag, Viewpoint};
 use scaleproof_pose::simulate::{Noise, SimulatedFault, Simulator};
 use scaleproof_pose::tags::{SeenTag, TagDetectorChoice};
-use scaleproof_session::session::Session;
+use scaleproof_session::Session;
 
 /// Multiples of σ within which the shares of errors are compared.
 const SIGMAS: [f64; 6] = [0.5, 1.0, 1.5, 2.0, 2.5, 3.0];

@@ -9,10 +9,10 @@ use common::{rendered, skyline};
 use image::{GrayImage, imageops};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use scaleproof_photo::photo::Photo;
+use scaleproof_photo::Photo;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Bins, Envelope, ScaleModel, Scene, TagFamily, TagRing, Viewpoint};
-use scaleproof_session::session::Session;
+use scaleproof_session::Session;
 use scaleproof_study::advise::{CameraVerdict, Choice, PoseAdvice, Question, Sample, advise_poses};
 use scaleproof_study::chart::{Spoil, locate::is_silently_wrong, true_views};
 

@@ -6,7 +6,7 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use scaleproof_core::geometry::{Rigid, angle::turn, rigid};
 use scaleproof_core::workers;
-use scaleproof_photo::photo::Photo;
+use scaleproof_photo::Photo;
 use scaleproof_pose::locate::{Abstention, locate, locate_luma};
 use scaleproof_pose::scene::{Scene, Viewpoint};
 use scaleproof_pose::tags::{TagDetector, TagDetectorChoice};

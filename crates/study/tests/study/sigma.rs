@@ -1,6 +1,6 @@
 //! The stated σ of a pose is true, and where it is not, the chart shows it.
 
-use scaleproof_session::session::Session;
+use scaleproof_session::Session;
 use scaleproof_study::chart::sigma::{SigmaRow, draw, errors, measure, of_photos, simulated, table};
 
 fn skyline() -> Session {

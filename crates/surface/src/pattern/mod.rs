@@ -24,7 +24,7 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg32;
 
 use scaleproof_core::files::{self, FileError};
-use scaleproof_photo::photo::{Budget, open_png};
+use scaleproof_photo::{Budget, open_png};
 
 /// Largest number of cells of a pattern along one side. Above this an image is almost surely meant, not a grid of cells.
 pub const MAX_CELLS: u32 = 512;

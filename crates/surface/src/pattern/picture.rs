@@ -9,7 +9,7 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, RgbImage};
 
 use super::{light, numpy};
 use scaleproof_core::files;
-use scaleproof_photo::photo::{Budget, DecodeCost, Photo, PhotoError, open_png};
+use scaleproof_photo::{Budget, DecodeCost, Photo, PhotoError, open_png};
 
 /// Largest number of pixels along a side: as many as graphics cards take.
 const MAX_PIXELS: u32 = 16_384;

@@ -13,7 +13,7 @@ use crate::pattern::picture::Picture;
 use scaleproof_core::files;
 use scaleproof_core::geometry::doubled_area;
 use scaleproof_core::spelling::count;
-use scaleproof_photo::photo::Budget;
+use scaleproof_photo::Budget;
 
 /// Largest texture coordinate: more is damage. An image is repeated some hundred times at most.
 const MAX_COORDINATE: f64 = 1e6;

@@ -2,9 +2,9 @@
 
 use super::{PrintedPieces, exploded};
 use scaleproof_core::spelling::list;
-use scaleproof_print::print::frame::PageFrame;
-use scaleproof_print::print::sheet::Sheet;
-use scaleproof_print::print::template::{Captions, cover};
+use scaleproof_print::frame::PageFrame;
+use scaleproof_print::sheet::Sheet;
+use scaleproof_print::template::{Captions, cover};
 
 const STEPS: [&str; 5] = [
     "Print at 100 %, without fit to page. Measure both rulers below before you cut anything.",

@@ -15,11 +15,11 @@ use super::{AROUND_MM, BLEED_MM, PiecesError, PiecesRequest, PrintedPieces, cove
 use crate::unwrap::Unwrapped;
 use scaleproof_core::geometry::length;
 use scaleproof_core::workers;
-use scaleproof_print::print::printer;
-use scaleproof_print::print::raster::{self, FlatPaint, PixelGrid};
-use scaleproof_print::print::sheet::{Mark, RectMm, WHITE};
-use scaleproof_print::print::template::{Captions, cell_mm, check_scale};
-use scaleproof_print::print::wrap::{CUT_ROOM_MM, EDGE_DASH_MM, EDGE_LINE_MM, Region, moved};
+use scaleproof_print::printer;
+use scaleproof_print::raster::{self, FlatPaint, PixelGrid};
+use scaleproof_print::sheet::{Mark, RectMm, WHITE};
+use scaleproof_print::template::{Captions, cell_mm, check_scale};
+use scaleproof_print::wrap::{CUT_ROOM_MM, EDGE_DASH_MM, EDGE_LINE_MM, Region, moved};
 use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::texture::Texture;
 

@@ -7,8 +7,8 @@ use nalgebra::{Point3, Vector3};
 
 use super::flat::Piece;
 use scaleproof_core::geometry::{PlaneTriangle, view_axes};
-use scaleproof_print::print::paint::disc;
-use scaleproof_print::print::sheet::{Mark, RectMm, WHITE};
+use scaleproof_print::paint::disc;
+use scaleproof_print::sheet::{Mark, RectMm, WHITE};
 
 /// Directions of the two views: azimuth from the front, elevation.
 const VIEWS_DEG: [(f64, f64); 2] = [(40.0, 32.0), (220.0, 32.0)];

@@ -6,9 +6,9 @@ use nalgebra::{Point3, Vector3};
 
 use crate::unwrap::{Chart, Unwrapped};
 use scaleproof_core::geometry::{convex_hull, distance, extent};
-use scaleproof_print::print::raster::FlatTriangle;
-use scaleproof_print::print::sheet::sides;
-use scaleproof_print::print::wrap::{Point, Region};
+use scaleproof_print::raster::FlatTriangle;
+use scaleproof_print::sheet::sides;
+use scaleproof_print::wrap::{Point, Region};
 use scaleproof_surface::mesh::doubled_area;
 
 /// Bend of an edge above which it is drawn.

@@ -4,8 +4,8 @@ use super::BLEED_MM;
 use super::flat::Piece;
 use super::seams::Seam;
 use scaleproof_core::geometry::{between, distance, nearest_share, offset};
-use scaleproof_print::print::buckets::{Buckets, bounds};
-use scaleproof_print::print::wrap::{Point, Region};
+use scaleproof_print::buckets::{Buckets, bounds};
+use scaleproof_print::wrap::{Point, Region};
 
 /// Radius of a letter's room, and of two letters'.
 const LETTER_MM: f64 = 1.6;

@@ -26,12 +26,12 @@ pub use crate::unwrap::UnwrapError;
 use crate::unwrap::{LeftOut, LeftOutReason, UnwrapRequest, Unwrapped, unwrap};
 use scaleproof_core::geometry::length::BadLength;
 use scaleproof_core::spelling::count;
-use scaleproof_print::print::SheetError;
-use scaleproof_print::print::frame::PageFrame;
-use scaleproof_print::print::raster::RasterError;
-use scaleproof_print::print::sheet::Sheet;
-use scaleproof_print::print::template::{TemplateError, TemplateRequest};
-use scaleproof_print::print::wrap::{Region, WrapRequest};
+use scaleproof_print::SheetError;
+use scaleproof_print::frame::PageFrame;
+use scaleproof_print::raster::RasterError;
+use scaleproof_print::sheet::Sheet;
+use scaleproof_print::template::{TemplateError, TemplateRequest};
+use scaleproof_print::wrap::{Region, WrapRequest};
 use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::world_aligned::Side;
 

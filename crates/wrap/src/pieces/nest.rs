@@ -1,8 +1,8 @@
 //! Nesting of shapes on the fewest pages: each at the lowest and leftmost free place over several rotations, on a grid of cells.
 
-use scaleproof_print::print::raster::Pose;
-use scaleproof_print::print::sheet::RectMm;
-use scaleproof_print::print::wrap::{Point, Region};
+use scaleproof_print::raster::Pose;
+use scaleproof_print::sheet::RectMm;
+use scaleproof_print::wrap::{Point, Region};
 
 /// Side of a cell, and the gap between two shapes in addition to the cells' rounding.
 const CELL_MM: f64 = 1.5;

@@ -4,12 +4,12 @@ use super::labels::{Label, Signs};
 use super::nest::{self, Place};
 use super::{PiecesError, PiecesRequest};
 use scaleproof_core::geometry::{circle, distance, offset};
-use scaleproof_print::print::frame::{CROP_STRIP_MM, FOOTER_MM, PageFrame};
-use scaleproof_print::print::paper::Stock;
-use scaleproof_print::print::ruler;
-use scaleproof_print::print::sheet::{Mark, RectMm, Sheet, TextAnchor};
-use scaleproof_print::print::template::Captions;
-use scaleproof_print::print::wrap::{Point, Region};
+use scaleproof_print::frame::{CROP_STRIP_MM, FOOTER_MM, PageFrame};
+use scaleproof_print::paper::Stock;
+use scaleproof_print::ruler;
+use scaleproof_print::sheet::{Mark, RectMm, Sheet, TextAnchor};
+use scaleproof_print::template::Captions;
+use scaleproof_print::wrap::{Point, Region};
 
 const SHEET_MM: f64 = 5.0;
 const SHEET_WIDTH_MM: f64 = 22.0;

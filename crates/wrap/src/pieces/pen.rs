@@ -5,9 +5,9 @@ use super::flat::Piece;
 use super::labels::{Label, NUMBER_RING_MM, Signs};
 use scaleproof_core::geometry::{between, circle, distance};
 use scaleproof_plot::lettering::fitting_size_mm;
-use scaleproof_print::print::raster::Pose;
-use scaleproof_print::print::sheet::{BLACK, Mark, PointMm, TextAnchor, WHITE};
-use scaleproof_print::print::wrap::{Point, Region, cut_line, moved};
+use scaleproof_print::raster::Pose;
+use scaleproof_print::sheet::{BLACK, Mark, PointMm, TextAnchor, WHITE};
+use scaleproof_print::wrap::{Point, Region, cut_line, moved};
 
 const LETTER_MM: f64 = 3.0;
 const NUMBER_MM: f64 = 3.8;

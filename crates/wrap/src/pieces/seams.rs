@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::flat::{Border, Piece, near};
 use scaleproof_core::geometry::{between, distance};
-use scaleproof_print::print::wrap::Point;
+use scaleproof_print::wrap::Point;
 
 /// Border edge of a piece.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -79,7 +79,7 @@ pub fn seams(pieces: &[Piece]) -> Vec<Seam> {
     all.sort_by(|a, b| b.length_mm.total_cmp(&a.length_mm));
     for (i, seam) in all.iter_mut().enumerate() {
         // Lower case, because the numbers of pieces are the large signs.
-        seam.letter = scaleproof_print::print::template::letters(i).to_lowercase();
+        seam.letter = scaleproof_print::template::letters(i).to_lowercase();
     }
     all
 }

@@ -3,7 +3,7 @@
 use super::flat::Piece;
 use super::seams::{Seam, SeamEdge, border};
 use scaleproof_core::geometry::{distance, offset};
-use scaleproof_print::print::wrap::{Contour, Point, Region};
+use scaleproof_print::wrap::{Contour, Point, Region};
 
 /// Minimum area of a tab relative to its length times its width; with less it does not hold.
 const LEAST_SHARE: f64 = 0.4;

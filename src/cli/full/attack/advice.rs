@@ -5,7 +5,7 @@ use std::error::Error;
 use crate::cli::advice;
 use scaleproof_attack::evaluate::EvaluateError;
 use scaleproof_attack::run::RunError;
-use scaleproof_frames::frames::render::RenderError;
+use scaleproof_frames::render::RenderError;
 use scaleproof_frames::surrogate::additive::AdditiveError;
 use scaleproof_frames::surrogate::chart::SurrogateChartError;
 use scaleproof_frames::surrogate::dtn::DtnError;

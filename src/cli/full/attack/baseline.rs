@@ -18,7 +18,7 @@ use scaleproof_attack::run::judge::{HeldOutFigures, judge};
 use scaleproof_attack::run::view_set::TextureMapping;
 use scaleproof_attack::run::{Rgb, checkpoint, of_pattern, srgb};
 use scaleproof_core::files;
-use scaleproof_print::print::patch::check;
+use scaleproof_print::patch::check;
 use scaleproof_surface::pattern::Pattern;
 
 #[derive(Subcommand)]

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use super::render::hexes;
 use crate::cli::{CommandResult, Outcome, Result, progress};
 use scaleproof_core::files;
-use scaleproof_frames::frames::FrameSet;
+use scaleproof_frames::FrameSet;
 use scaleproof_frames::surrogate::chart::{draw, draw_training, measure, numbers, table};
 use scaleproof_frames::surrogate::dtn::file;
 use scaleproof_frames::surrogate::renderer::NeuralRenderer;

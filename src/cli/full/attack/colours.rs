@@ -10,8 +10,8 @@ use rand_pcg::Pcg32;
 use super::render::hexes;
 use crate::cli::{CommandResult, Result};
 use scaleproof_core::files;
-use scaleproof_frames::frames::{FrameSet, light};
 use scaleproof_frames::surrogate::additive::recoloured;
+use scaleproof_frames::{FrameSet, light};
 
 /// Make further flat colours of rendered views, without rendering: light adds up
 #[derive(clap::Args)]

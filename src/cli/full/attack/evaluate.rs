@@ -19,15 +19,15 @@ use crate::cli::{at_hand, patterns};
 use scaleproof_attack::evaluate::RenderedSet;
 use scaleproof_core::files;
 use scaleproof_detect::Manifest;
-use scaleproof_frames::frames::render::{Panorama, ROUGHNESS, RenderPaint, RenderRequest, blender};
+use scaleproof_frames::render::{Panorama, ROUGHNESS, RenderPaint, RenderRequest, blender};
 use scaleproof_pose::scene::{Classes, Scene, Viewpoint};
+use scaleproof_score::Summary;
 use scaleproof_score::report;
-use scaleproof_score::score::Summary;
-use scaleproof_score::score::{
+use scaleproof_score::{
     ApDefinition, BASE_VARIANT, Comparison, EvaluatedDetector, Scores, WornPattern, compare_with, decide,
     evaluated_detectors,
 };
-use scaleproof_session::session::Session;
+use scaleproof_session::Session;
 use scaleproof_surface::pattern::Pattern;
 
 /// Judge patterns on the model: render them at the paper's viewpoints under other lights, and score the detectors on the photos

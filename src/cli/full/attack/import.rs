@@ -10,9 +10,9 @@ use crate::cli::full::model::ModelArgs;
 use crate::cli::print::NewFile;
 use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
-use scaleproof_frames::frames::FramePaint;
-use scaleproof_frames::frames::import::fca::{self, FcaRequest};
-use scaleproof_frames::frames::import::import;
+use scaleproof_frames::FramePaint;
+use scaleproof_frames::import::fca::{self, FcaRequest};
+use scaleproof_frames::import::import;
 
 /// Make frames of a folder that another engine exported (layouts of CARLA scripts; see the guide, `frames.md`)
 #[derive(clap::Args)]

@@ -25,7 +25,7 @@ use scaleproof_attack::setup::Setup;
 use scaleproof_core::files;
 use scaleproof_core::spelling::{count, quoted};
 use scaleproof_detect::{Manifest, ProgramDetector};
-use scaleproof_frames::frames::FrameSet;
+use scaleproof_frames::FrameSet;
 use scaleproof_gradients::WhiteBox;
 use scaleproof_gradients::detector::OnnxDetector;
 use scaleproof_gradients::program::ProgramWhiteBox;

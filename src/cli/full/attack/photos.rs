@@ -13,12 +13,12 @@ use crate::cli::full::model::{paint_of, painted};
 use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
 use scaleproof_core::spelling::count;
-use scaleproof_frames::frames::light;
-use scaleproof_frames::frames::photos::sessions::{
+use scaleproof_frames::light;
+use scaleproof_frames::photos::sessions::{
     FlatVariant, LocatedPhotos, check_variants, common_mesh, locate_flats, of_flats, variants,
 };
-use scaleproof_frames::frames::photos::{FramedView, LeftOutPhoto, PhotoFrames, PhotoFramesRequest, make};
-use scaleproof_session::session::Session;
+use scaleproof_frames::photos::{FramedView, LeftOutPhoto, PhotoFrames, PhotoFramesRequest, make};
+use scaleproof_session::Session;
 
 /// Make frames of photos of the model in flat colours: one photo of each colour from about the same place is a view
 ///

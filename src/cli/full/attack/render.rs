@@ -10,10 +10,10 @@ use crate::cli::full::texture::load_texture;
 use crate::cli::print::tile_mm;
 use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::geometry::angle::wrap_360;
-use scaleproof_frames::frames::render::{
+use scaleproof_frames::render::{
     Panorama, ROUGHNESS, RenderPaint, RenderPlan, RenderRequest, blender, check_folder, render,
 };
-use scaleproof_frames::frames::{FrameSet, FramesError, LIST, light};
+use scaleproof_frames::{FrameSet, FramesError, LIST, light};
 use scaleproof_pose::scene::Viewpoint;
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_wrap::bake::TriangleImage;

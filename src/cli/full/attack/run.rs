@@ -17,7 +17,7 @@ use scaleproof_attack::setup::Setup;
 use scaleproof_core::files;
 use scaleproof_gradients::Boxes;
 use scaleproof_photo::defence::Defence;
-use scaleproof_print::print::printer::PrinterFile;
+use scaleproof_print::printer::PrinterFile;
 use scaleproof_surface::pattern::palette::{MAX_PAINTS, Palette, PaletteError};
 
 /// Make a pattern that detectors do not see a model in (DTA), from frames in flat colours

@@ -12,7 +12,7 @@ use crate::cli::choice::one_of;
 use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
 use scaleproof_core::spelling::count;
-use scaleproof_frames::frames::FrameSet;
+use scaleproof_frames::FrameSet;
 use scaleproof_frames::surrogate::dtn::data::TrainingSet;
 use scaleproof_frames::surrogate::dtn::run::{TrainingBudget, train};
 use scaleproof_frames::surrogate::dtn::training::{Trainer, TrainingPlan, TrainingProgress};

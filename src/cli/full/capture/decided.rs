@@ -6,12 +6,13 @@ use super::terminal::TerminalLog;
 use crate::cli::compare::inside;
 use crate::cli::results::{Programs, Results};
 use crate::cli::{Result, at_hand, detectors, score as score_command};
-use scaleproof_capture::capture::Guidance;
+use scaleproof_capture::Guidance;
 use scaleproof_capture::page::PairsSoFar;
 use scaleproof_pose::scene::Bin;
+use scaleproof_score as score;
 use scaleproof_score::report;
-use scaleproof_score::score::{self, ClusteredBy, CompareError, EvaluatedDetector, Options, SequentialFinding};
-use scaleproof_session::session::Session;
+use scaleproof_score::{ClusteredBy, CompareError, EvaluatedDetector, Options, SequentialFinding};
+use scaleproof_session::Session;
 
 /// When a capture may end before every view is there.
 #[derive(clap::Args)]
@@ -57,7 +58,7 @@ impl Args {
             )
             .into());
         }
-        let is_base = |photo: &scaleproof_session::session::PhotoEntry| {
+        let is_base = |photo: &scaleproof_session::PhotoEntry| {
             photo.variant == self.base && photo.place.as_deref() == Some(place)
         };
         let session = if folder.join("session.json").exists() {

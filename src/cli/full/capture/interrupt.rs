@@ -3,7 +3,7 @@
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use crate::cli::full::interrupt::on_interrupt;
-use scaleproof_capture::capture::{CameraSettings, FrameSource, SourceError, SourceFrame};
+use scaleproof_capture::{CameraSettings, FrameSource, SourceError, SourceFrame};
 
 /// What a source gave, and what its camera is set to.
 type SourceItem = Result<Option<(SourceFrame, Option<CameraSettings>)>, SourceError>;

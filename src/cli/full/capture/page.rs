@@ -11,8 +11,8 @@ use super::decided::Question;
 use super::terminal::TerminalLog;
 use crate::cli::Result;
 use crate::cli::answer::answer;
-use scaleproof_capture::capture::{Capture, FrameSource, Guidance};
 use scaleproof_capture::page::{AskPairs, CaptureInfo, CaptureNotice, Lan, Page, PageError};
+use scaleproof_capture::{Capture, FrameSource, Guidance};
 use scaleproof_pose::scene::Scene;
 
 /// The page in a browser.

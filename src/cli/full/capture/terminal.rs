@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use scaleproof_capture::capture::{Advice, CameraSettings, FrameAnswer, Guidance};
 use scaleproof_capture::page::PairsSoFar;
+use scaleproof_capture::{Advice, CameraSettings, FrameAnswer, Guidance};
 use scaleproof_pose::scene::Bin;
 
 /// What the pairs say so far, a line after each photo (`--until-decided`).

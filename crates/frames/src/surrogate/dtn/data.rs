@@ -6,8 +6,8 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
 use super::{Architecture, DtnError};
-use crate::frames::{Coverage, Frame, FrameSet, light, reduced, views};
 use crate::surrogate::additive::Additive;
+use crate::{Coverage, Frame, FrameSet, light, reduced, views};
 use scaleproof_core::files;
 
 /// Between the paint and the window's edge, where the convolutions see the padding.

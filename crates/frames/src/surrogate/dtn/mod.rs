@@ -28,7 +28,7 @@ pub use transformer::Transformer;
 
 use std::path::PathBuf;
 
-use crate::frames::FramesError;
+use crate::FramesError;
 use crate::surrogate::additive::AdditiveError;
 use scaleproof_core::files::FileError;
 

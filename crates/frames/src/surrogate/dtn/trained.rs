@@ -6,8 +6,8 @@ use super::Transformer;
 use super::data::{PaintPixels, PaintWindow};
 use super::network::{Architecture, LayerShapes};
 use super::transformer::Maps;
-use crate::frames::{Coverage, light};
 use crate::surrogate::renderer::{NeuralRenderer, Renderer};
+use crate::{Coverage, light};
 
 #[derive(Debug, Clone)]
 pub struct DtnNetwork {

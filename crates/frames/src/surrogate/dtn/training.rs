@@ -18,7 +18,7 @@ use super::data::{CropPlacement, NewLight, PaintWindow, TrainingSet, TrainingVie
 use super::network::LayerShapes;
 use super::trained::DtnNetwork;
 use super::{Architecture, DtnError, Transformer};
-use crate::frames::{light, require};
+use crate::{light, require};
 use scaleproof_gradients::adam::Adam;
 
 const ADAM: Adam = Adam {

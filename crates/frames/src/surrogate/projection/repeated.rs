@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::world::in_cells;
 use super::{Grid, Projection};
-use crate::frames::{Coverage, Frame, FrameList};
+use crate::{Coverage, Frame, FrameList};
 use scaleproof_surface::pattern::world_aligned::Side;
 
 const PARTS: u32 = 3;

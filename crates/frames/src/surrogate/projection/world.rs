@@ -1,7 +1,7 @@
 //! World-aligned projection: the pattern as the printed panels carry it, from the positions and sides of a frame's paint.
 
 use super::{Grid, Projection};
-use crate::frames::{Frame, FrameSet, FramesError};
+use crate::{Frame, FrameSet, FramesError};
 use scaleproof_surface::pattern::world_aligned::Side;
 
 /// How the pattern comes to lie elsewhere than it should: laid on wrongly, or seen from a pose that is not quite the assumed one.

@@ -19,7 +19,7 @@ pub use tone::Tone;
 
 use image::RgbImage;
 
-use crate::frames::{Coverage, Frame, FrameSet, FramesError};
+use crate::{Coverage, Frame, FrameSet, FramesError};
 
 #[derive(Debug, Clone)]
 pub struct FlatImage {

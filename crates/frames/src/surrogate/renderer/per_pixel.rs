@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 
 use super::tone::{Tone, least};
 use super::{ClosedForm, FitError, FlatImage, Renderer};
-use crate::frames::{light, require};
+use crate::{light, require};
 
 /// More images than bits in [`Used`] would not fit, and are of no use.
 const MOST_IMAGES: usize = 32;

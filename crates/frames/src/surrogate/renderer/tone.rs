@@ -1,6 +1,6 @@
 //! The tone curve of an image: what it does to light.
 
-use crate::frames::light;
+use crate::light;
 
 /// Values are sRGB's curve with an exponent: light = decode(x)^`power`. 1 is exactly sRGB, as frames are rendered. A fitted
 /// exponent also takes up some of the light that goes to and fro between the paint's parts, so it is no measurement of a camera.

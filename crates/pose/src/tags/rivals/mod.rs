@@ -12,7 +12,7 @@ use super::{CornersBy, StartError, TagDetector, TagDetectorChoice};
 use crate::scene::TagFamily;
 use aruco::ArucoOpenCv;
 use locus::Locus;
-use scaleproof_photo::photo::doubled;
+use scaleproof_photo::doubled;
 
 pub use markers::{DictionaryError, MarkerDictionary, MarkerSearch, SeenMarker, marker_search};
 

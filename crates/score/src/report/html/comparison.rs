@@ -5,7 +5,7 @@ use maud::{Markup, PreEscaped, html};
 use super::{Section, first, interval_chart, notes, pairs, sequential, shell};
 use crate::report::paper::Judged;
 use crate::report::{certainty, number, paired, tables};
-use crate::score::{Compared, Comparison, Difference, PlanCheck, Scores, comparison_definitions};
+use crate::{Compared, Comparison, Difference, PlanCheck, Scores, comparison_definitions};
 use scaleproof_plot::Anchor::{End, Middle, Start};
 use scaleproof_plot::{BLACK, Drawing, FAINT, INK, Mark, NOTE, WHITE};
 

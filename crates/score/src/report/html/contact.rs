@@ -6,7 +6,7 @@ use maud::{Markup, PreEscaped, html};
 
 use super::{filters, side};
 use crate::report::{number, other_label};
-use crate::score::{EvaluatedDetector, ScoredPhoto, Scores};
+use crate::{EvaluatedDetector, ScoredPhoto, Scores};
 use scaleproof_detect::Detection;
 
 /// Largest number of photos that are shown: with more the page would be too large to open.

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::{SIDE, SQUARE, colour, colour_names, small_charts};
-use crate::score::{Curves, HitRateFrom, Scores, curves};
+use crate::{Curves, HitRateFrom, Scores, curves};
 use scaleproof_plot::Anchor::Middle;
 use scaleproof_plot::{BLACK, Colour, Drawing, INK, Mark};
 

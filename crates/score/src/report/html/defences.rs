@@ -2,8 +2,8 @@
 
 use maud::{Markup, html};
 
+use crate::Scores;
 use crate::report::tables;
-use crate::score::Scores;
 
 /// Renders the section; `None` for a run without defences.
 pub(super) fn section(scores: &Scores) -> Option<Markup> {

@@ -3,10 +3,10 @@
 use maud::html;
 
 use super::{ACROSS, Section, first, lead, notes, patterns, shell};
+use crate::BASE_VARIANT;
 use crate::report::evaluation::Evaluation;
 use crate::report::paper::Judged;
 use crate::report::tables;
-use crate::score::BASE_VARIANT;
 use scaleproof_core::spelling;
 
 pub(in crate::report) fn render(evaluation: &Evaluation) -> String {

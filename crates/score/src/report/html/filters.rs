@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use maud::{Markup, html};
 
 use super::side;
-use crate::score::{PhotoOutcome, ScoredPhoto, Scores, Verdict};
+use crate::{PhotoOutcome, ScoredPhoto, Scores, Verdict};
 use scaleproof_pose::scene::Bin;
 
 /// A filter: its key on the cards, its name, and (value, name) of each option.

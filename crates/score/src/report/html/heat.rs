@@ -7,7 +7,7 @@ use maud::{Markup, html};
 use super::side;
 use crate::report::number;
 use crate::report::shade::{ink, shade};
-use crate::score::{CellFigures, EvaluatedDetector, Scores, Summary};
+use crate::{CellFigures, EvaluatedDetector, Scores, Summary};
 use scaleproof_plot::Anchor::{End, Middle, Start};
 use scaleproof_plot::{BLACK, Colour, Drawing, Mark, NOTE, WHITE};
 use scaleproof_pose::scene::Bin;

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::colour;
 use crate::report::{number, paired};
-use crate::score::{Compared, Scores};
+use crate::{Compared, Scores};
 use scaleproof_plot::Anchor::{End, Middle, Start};
 use scaleproof_plot::{BLACK, Colour, Drawing, FAINT, INK, Mark, NOTE, WHITE, distinct};
 

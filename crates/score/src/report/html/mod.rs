@@ -25,7 +25,7 @@ use maud::{Markup, PreEscaped, html};
 
 use crate::report::paper::Judged;
 use crate::report::{Table, tables, verdict};
-use crate::score::{EvaluatedDetector, Scores, Summary, paired as all_paired};
+use crate::{EvaluatedDetector, Scores, Summary, paired as all_paired};
 use scaleproof_core::spelling;
 use scaleproof_detect::{ForeignKind, Speeds};
 use scaleproof_plot::Anchor::{End, Middle};

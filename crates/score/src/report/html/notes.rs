@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::{heads, table};
 use crate::report::paper::Judged;
 use crate::report::{certainty, counted, paper, provenance, truth_boxes};
-use crate::score::{Compared, Comparison, NotScored, Scores, disagreements};
+use crate::{Compared, Comparison, NotScored, Scores, disagreements};
 use scaleproof_core::spelling;
 
 /// Renders sentences for a paper, how effects were decided, where AP and hits disagree, and the definitions in short.

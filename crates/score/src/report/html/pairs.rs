@@ -6,7 +6,7 @@ use maud::{Markup, html};
 
 use super::{contact, filters, side};
 use crate::report::number;
-use crate::score::{Comparison, PhotoOutcome, ScoredPhoto, Scores, paired_photos};
+use crate::{Comparison, PhotoOutcome, ScoredPhoto, Scores, paired_photos};
 
 /// Largest number of pairs that are shown: with more the page would be too large to open.
 const MOST_PAIRS: usize = 200;

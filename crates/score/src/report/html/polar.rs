@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::{colour, colour_names};
-use crate::score::{BinFigures, Scores};
+use crate::{BinFigures, Scores};
 use scaleproof_plot::Anchor::{End, Middle, Start};
 use scaleproof_plot::{Colour, Drawing, FAINT, Mark, NOTE, WHITE};
 

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::{Plane, colour, colour_names, small_charts};
 use crate::report::tables;
-use crate::score::{CorruptedRow, Robustness, Scores};
+use crate::{CorruptedRow, Robustness, Scores};
 use scaleproof_plot::Anchor::Middle;
 use scaleproof_plot::{Colour, Drawing, Mark, NOTE, WHITE, distinct};
 

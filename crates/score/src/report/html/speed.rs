@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::colour;
-use crate::score::Scores;
+use crate::Scores;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::spelling;
 use scaleproof_detect::{Speed, Speeds};

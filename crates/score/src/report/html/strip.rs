@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::{contact, side};
 use crate::report::number;
-use crate::score::{Compared, ScoredPhoto, Scores, paired_photos};
+use crate::{Compared, ScoredPhoto, Scores, paired_photos};
 use scaleproof_plot::distinct;
 
 /// Largest number of textures: more would push the chart off the first screen.

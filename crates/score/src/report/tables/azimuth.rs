@@ -1,7 +1,7 @@
 //! Table of the drop of the hit rate in each direction.
 
 use crate::report::{Cell, Column, Table};
-use crate::score::{Compared, Scores};
+use crate::{Compared, Scores};
 
 /// Returns a row for each detector and texture, a column for each azimuth.
 pub(in crate::report) fn by_azimuth(scores: &Scores, results: &[Compared]) -> Table {

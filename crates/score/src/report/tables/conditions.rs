@@ -1,7 +1,7 @@
 //! Tables of figures by a condition that photos were grouped by.
 
 use crate::report::{Cell, Column, Table};
-use crate::score::{ConditionFigures, Scores};
+use crate::{ConditionFigures, Scores};
 use scaleproof_core::spelling::digits;
 use scaleproof_plot::distinct;
 

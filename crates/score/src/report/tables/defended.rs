@@ -1,7 +1,7 @@
 //! Tables of differences between variants on defended photos, and of the changes by each defence.
 
 use crate::report::{Cell, Column, Table};
-use crate::score::{Defences, DefendedRow, Held, UNDEFENDED};
+use crate::{Defences, DefendedRow, Held, UNDEFENDED};
 use scaleproof_core::statistics::Interval;
 use scaleproof_plot::distinct;
 

@@ -1,7 +1,7 @@
 //! Table of the effect of each texture on each detector, the main one of a comparison.
 
 use crate::report::{Cell, CellValue, Column, Table, paired};
-use crate::score::{Compared, Effect, MOST_HIT, Scores, Summary, paired_control};
+use crate::{Compared, Effect, MOST_HIT, Scores, Summary, paired_control};
 use scaleproof_core::spelling::{self, digits};
 
 /// Returns a row for each detector and texture: the effect, the mean confidence and hits of the base and of the texture.

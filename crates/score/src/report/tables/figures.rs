@@ -2,7 +2,7 @@
 
 use super::by_detector;
 use crate::report::{Cell, Column, Table, paired};
-use crate::score::{Compared, Difference, Drop, Scores, Summary};
+use crate::{Compared, Difference, Drop, Scores, Summary};
 use scaleproof_core::statistics::Interval;
 
 /// Returns AP, hit rate and confidence with their drops from the base.

@@ -31,7 +31,7 @@ pub(super) use taken::taken;
 pub(super) use transfer::transferred;
 
 use super::{Cell, Table};
-use crate::score::{Scores, Summary};
+use crate::{Scores, Summary};
 
 /// Returns the tables that a run has only on request.
 pub(super) fn asked_for(scores: &Scores) -> Vec<Table> {

@@ -1,7 +1,7 @@
 //! Table of the order of the textures here against that in other sessions.
 
 use crate::report::{Cell, Column, Table};
-use crate::score::{Ranking, RankingFinding, RankingRow, Scores};
+use crate::{Ranking, RankingFinding, RankingRow, Scores};
 use scaleproof_core::spelling::digits;
 
 /// Returns a row for each detector, and for each value of a condition that photos were grouped by.

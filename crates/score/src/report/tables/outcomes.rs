@@ -2,7 +2,7 @@
 
 use super::by_detector;
 use crate::report::{Cell, Column, Table};
-use crate::score::{Scores, Summary};
+use crate::{Scores, Summary};
 
 /// Returns hits, photos with another class alone, photos with nothing on the model, and hallucinations.
 pub(in crate::report) fn outcomes(scores: &Scores) -> Table {

@@ -2,7 +2,7 @@
 
 use super::by_detector;
 use crate::report::{Cell, Column, Table, certainty, paired};
-use crate::score::{Compared, Difference, Scores, Summary};
+use crate::{Compared, Difference, Scores, Summary};
 
 /// Returns AP@[.5:.95], recalls, false positives and attack success rates.
 pub(in crate::report) fn papers(scores: &Scores) -> Table {

@@ -2,7 +2,7 @@
 
 use crate::report::evaluation::{Evaluation, SCOPE};
 use crate::report::{Cell, Column, Table, paired};
-use crate::score::{BASE_VARIANT, Compared, EvaluatedDetector};
+use crate::{BASE_VARIANT, Compared, EvaluatedDetector};
 use scaleproof_core::spelling;
 
 /// Returns table 1, AP@0.5 and mean confidence of the detectors that the patterns were made against, and table 2, AP@0.5 of the others, where there

@@ -1,7 +1,7 @@
 //! Table that a protocol's paper prints.
 
 use crate::report::{Cell, Column, Table};
-use crate::score::{ProtocolTable, Scores, protocol_table};
+use crate::{ProtocolTable, Scores, protocol_table};
 
 /// Returns the table of the run's protocol; `None` when it follows none.
 pub(in crate::report) fn protocol(scores: &Scores) -> Option<Table> {

@@ -4,7 +4,7 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use crate::report::{Cell, Column, Table, counted, other_label};
-use crate::score::{ScoredPhoto, Scores};
+use crate::{ScoredPhoto, Scores};
 
 /// Name for no label at all.
 const NOTHING: &str = "nothing";

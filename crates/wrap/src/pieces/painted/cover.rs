@@ -3,11 +3,11 @@
 use super::{PaintedPieces, PaintedRequest};
 use crate::pieces::exploded;
 use scaleproof_plot::lettering::{CAP_HEIGHT, number, printable, shortened};
-use scaleproof_print::print::frame::PageFrame;
-use scaleproof_print::print::paint::swatch;
-use scaleproof_print::print::raster::FlatTriangle;
-use scaleproof_print::print::sheet::{Mark, RectMm, Sheet, TextAnchor};
-use scaleproof_print::print::template::{Captions, cover};
+use scaleproof_print::frame::PageFrame;
+use scaleproof_print::paint::swatch;
+use scaleproof_print::raster::FlatTriangle;
+use scaleproof_print::sheet::{Mark, RectMm, Sheet, TextAnchor};
+use scaleproof_print::template::{Captions, cover};
 use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::texture::{SurfacePoint, Tile};
 

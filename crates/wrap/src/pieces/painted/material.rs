@@ -6,10 +6,10 @@ use crate::pieces::flat::Piece;
 use crate::pieces::labels::Signs;
 use crate::pieces::seams::Seam;
 use scaleproof_core::geometry::{between, circle, distance};
-use scaleproof_print::print::paint::plane::{Area, units};
-use scaleproof_print::print::paint::{hole_mm, rim_mm};
-use scaleproof_print::print::sheet::sides;
-use scaleproof_print::print::wrap::{Contour, Point, Region};
+use scaleproof_print::paint::plane::{Area, units};
+use scaleproof_print::paint::{hole_mm, rim_mm};
+use scaleproof_print::sheet::sides;
+use scaleproof_print::wrap::{Contour, Point, Region};
 
 /// Number of holes of a piece, and their minimum distance.
 const HOLES: usize = 4;

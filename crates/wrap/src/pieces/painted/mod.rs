@@ -22,16 +22,16 @@ use crate::unwrap::Unwrapped;
 use scaleproof_core::spelling::count;
 use scaleproof_core::workers;
 use scaleproof_plot::lettering::number;
-use scaleproof_print::print::frame::PageFrame;
-use scaleproof_print::print::paint::plane::{Area, PlaneOutline};
-use scaleproof_print::print::paint::{
+use scaleproof_print::frame::PageFrame;
+use scaleproof_print::paint::plane::{Area, PlaneOutline};
+use scaleproof_print::paint::{
     Legend, MOST_CELLS, NoStencil, PaintArea, PaintError, Slant, check_features, check_pages, hole_mm, legend_sheets,
     openings_and_bridges, rim_mm,
 };
-use scaleproof_print::print::printer;
-use scaleproof_print::print::sheet::{RectMm, Sheet};
-use scaleproof_print::print::template::{Captions, cell_mm, check_scale};
-use scaleproof_print::print::wrap::Region;
+use scaleproof_print::printer;
+use scaleproof_print::sheet::{RectMm, Sheet};
+use scaleproof_print::template::{Captions, cell_mm, check_scale};
+use scaleproof_print::wrap::Region;
 use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::palette::Painted;
 use scaleproof_surface::texture::Tile;

@@ -2,10 +2,10 @@
 
 use crate::pieces::flat::Piece;
 use scaleproof_core::geometry::{between as mix, distance, extent, to_segment};
-use scaleproof_print::print::paint::plane::{Area, PlaneOutline, PlanePoint, edges, point, units};
-use scaleproof_print::print::raster::FlatTriangle;
-use scaleproof_print::print::sheet::sides;
-use scaleproof_print::print::wrap::{Contour, Point, Region};
+use scaleproof_print::paint::plane::{Area, PlaneOutline, PlanePoint, edges, point, units};
+use scaleproof_print::raster::FlatTriangle;
+use scaleproof_print::sheet::sides;
+use scaleproof_print::wrap::{Contour, Point, Region};
 use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::palette::Painted;
 use scaleproof_surface::texture::{SurfacePoint, Tile};

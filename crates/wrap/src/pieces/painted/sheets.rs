@@ -6,12 +6,12 @@ use crate::pieces::labels::Signs;
 use crate::pieces::pages;
 use crate::pieces::pen::{LINE_MM, Pen, cut};
 use scaleproof_plot::lettering::fitting_size_mm;
-use scaleproof_print::print::frame::PageFrame;
-use scaleproof_print::print::paint::plane::{Area, PlaneOutline, mm};
-use scaleproof_print::print::paint::{OPENING, cross, disc, mirrored, swatch};
-use scaleproof_print::print::sheet::{BLACK, Mark, PointMm, RectMm, Sheet, TextAnchor};
-use scaleproof_print::print::template::Captions;
-use scaleproof_print::print::wrap::{Contour, EDGE_DASH_MM, EDGE_LINE_MM, Point, Region, moved};
+use scaleproof_print::frame::PageFrame;
+use scaleproof_print::paint::plane::{Area, PlaneOutline, mm};
+use scaleproof_print::paint::{OPENING, cross, disc, mirrored, swatch};
+use scaleproof_print::sheet::{BLACK, Mark, PointMm, RectMm, Sheet, TextAnchor};
+use scaleproof_print::template::Captions;
+use scaleproof_print::wrap::{Contour, EDGE_DASH_MM, EDGE_LINE_MM, Point, Region, moved};
 
 const BORDER_MM: f64 = 0.12;
 const NUMBER_MM: f64 = 3.5;

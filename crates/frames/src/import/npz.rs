@@ -1,0 +1,121 @@
+//! Arrays of NumPy in an archive, as `np.savez` writes it, bounded before anything is unpacked.
+
+use std::io::{Cursor, Read};
+use std::path::{Path, PathBuf};
+
+use npyz::{Deserialize, NpyFile, Order};
+use zip::ZipArchive;
+
+use super::FrameImportError;
+use crate::require;
+use scaleproof_core::files::{self, FileError};
+
+/// The most bytes of a file, and of an array in it: more than twice the largest image that is read.
+const MOST_BYTES: u64 = 32 << 20;
+/// Before an array's numbers. NumPy writes 128 bytes; brackets in brackets would take a parser's stack.
+const MOST_HEADER_BYTES: usize = 512;
+
+/// An opened `.npz` file.
+pub(super) struct Archive {
+    path: PathBuf,
+    zip: ZipArchive<Cursor<Vec<u8>>>,
+}
+
+/// An array whose shape is known, and whose numbers are not yet read.
+pub(super) struct Array {
+    path: PathBuf,
+    name: String,
+    file: NpyFile<Cursor<Vec<u8>>>,
+}
+
+impl Archive {
+    pub(super) fn open(path: &Path) -> Result<Self, FrameImportError> {
+        let bytes = files::read_at_most(path, MOST_BYTES)?;
+        let broken = |e| FileError::content(path, format!("it is no whole archive of NumPy ({e}): save it again"));
+        Ok(Self {
+            path: path.to_owned(),
+            zip: ZipArchive::new(Cursor::new(bytes)).map_err(broken)?,
+        })
+    }
+
+    pub(super) fn array(&mut self, name: &str) -> Result<Array, FrameImportError> {
+        let files = self.zip.file_names();
+        let mut names: Vec<&str> = files.filter_map(|file| file.strip_suffix(".npy")).collect();
+        if !names.contains(&name) {
+            names.sort_unstable();
+            names.truncate(LISTED);
+            let message = format!("it has no array {name}; it has {}", names.join(", "));
+            return Err(FileError::content(&self.path, message).into());
+        }
+        let wrong = |reason: &str| FileError::content(&self.path, format!("the array {name} {reason}"));
+        let damaged = |e| wrong(&format!("is damaged ({e}): save it again"));
+        let mut bytes = Vec::new();
+        let entry = self.zip.by_name(&format!("{name}.npy"));
+        let entry = entry.map_err(|e| wrong(&format!("cannot be read ({e})")))?;
+        entry.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(damaged)?;
+        require(bytes.len() as u64 <= MOST_BYTES, || {
+            wrong(&format!("has more than {} MB", MOST_BYTES >> 20))
+        })?;
+        let is_short = header_bytes(&bytes) <= MOST_HEADER_BYTES;
+        require(is_short, || wrong("has a header that NumPy does not write"))?;
+        let file = NpyFile::new(Cursor::new(bytes)).map_err(damaged)?;
+        let has_numbers = !file.uses_pickled_array();
+        require(has_numbers, || wrong("holds Python objects: save numbers"))?;
+        require(file.order() != Order::Fortran, || {
+            wrong("is in Fortran's order: save np.ascontiguousarray of it")
+        })?;
+        Ok(Array {
+            path: self.path.clone(),
+            name: name.to_owned(),
+            file,
+        })
+    }
+}
+
+/// The most names that a message lists.
+const LISTED: usize = 8;
+
+/// What the beginning of an array says (NumPy's format 1, 2 and 3).
+fn header_bytes(bytes: &[u8]) -> usize {
+    match bytes {
+        [_, _, _, _, _, _, 1, _, a, b, ..] => usize::from(u16::from_le_bytes([*a, *b])),
+        [_, _, _, _, _, _, _, _, a, b, c, d, ..] => u32::from_le_bytes([*a, *b, *c, *d]) as usize,
+        _ => 0,
+    }
+}
+
+impl Array {
+    pub(super) fn shape(&self) -> &[u64] {
+        self.file.shape()
+    }
+
+    pub(super) fn wrong(&self, reason: &str) -> FrameImportError {
+        FileError::content(&self.path, format!("the array {} {reason}", self.name)).into()
+    }
+
+    pub(super) fn wrong_shape(&self, wanted: &str) -> FrameImportError {
+        let shape: Vec<String> = self.shape().iter().map(u64::to_string).collect();
+        self.wrong(&format!("is {} and must be {wanted}", shape.join("×")))
+    }
+
+    /// The array's numbers, of the kind `T`; check its shape first.
+    pub(super) fn numbers<T: Deserialize>(self, wanted: &str) -> Result<Vec<T>, FrameImportError> {
+        let kind = self.file.dtype().descr();
+        let Self { path, name, file } = self;
+        let wrong = |reason: String| FileError::content(&path, format!("the array {name} {reason}"));
+        let numbers = file
+            .data()
+            .map_err(|_| wrong(format!("holds {kind} and must hold {wanted}")))?;
+        let all: std::io::Result<Vec<T>> = numbers.collect();
+        Ok(all.map_err(|e| wrong(format!("is damaged ({e}): save it again")))?)
+    }
+
+    /// 32- or 64-bit.
+    pub(super) fn reals(self) -> Result<Vec<f64>, FrameImportError> {
+        if f32::reader(&self.file.dtype()).is_ok() {
+            let numbers = self.numbers::<f32>("")?;
+            return Ok(numbers.into_iter().map(f64::from).collect());
+        }
+        self.numbers("32- or 64-bit floating point")
+    }
+}

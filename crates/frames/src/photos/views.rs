@@ -1,0 +1,124 @@
+//! Photos of one place and bin, one in each colour, become a view; or the reason why not.
+
+use nalgebra::Point3;
+
+use super::exposure;
+use super::{FlatPhoto, LeftOutPhoto};
+use crate::{light, require};
+use scaleproof_pose::scene::Bin;
+
+/// Photos of one view may differ by this angle, as the model sees the cameras: gloss and what is hidden change with it.
+pub const MOST_TURN_DEG: f64 = 6.0;
+/// Photos of one view may differ by this much in their distance to the target.
+pub const MOST_CLOSER_PERCENT: f64 = 15.0;
+
+/// A photo that is brought to the reference's place and exposure.
+#[derive(Debug, Clone)]
+pub struct Other<'a> {
+    pub photo: &'a FlatPhoto,
+    /// Per channel of linear light.
+    pub gain: [f64; 3],
+    pub turn_deg: f64,
+}
+
+#[derive(Debug, Clone)]
+pub struct PhotosOfView<'a> {
+    pub reference: &'a FlatPhoto,
+    pub others: Vec<Other<'a>>,
+}
+
+/// The views, in the order of their place and bin, and the groups of photos that make none. A view has every colour.
+pub fn views<'a>(
+    photos: &'a [FlatPhoto],
+    flats: &[[u8; 3]],
+    target_mm: Point3<f64>,
+) -> (Vec<PhotosOfView<'a>>, Vec<LeftOutPhoto>) {
+    let mut groups: std::collections::BTreeMap<(&str, Bin), Vec<&FlatPhoto>> = std::collections::BTreeMap::new();
+    for photo in photos {
+        groups.entry((&photo.place, photo.bin)).or_default().push(photo);
+    }
+    let (mut found, mut left_out) = (Vec::new(), Vec::new());
+    for group in groups.values() {
+        match best(group, flats, target_mm) {
+            Ok(view) => found.push(view),
+            Err(reason) => left_out.push(LeftOutPhoto::new(group[0].view_name(), reason)),
+        }
+    }
+    (found, left_out)
+}
+
+/// The most central photo that has all others near it is the reference; without one, the reason.
+fn best<'a>(group: &[&'a FlatPhoto], flats: &[[u8; 3]], target_mm: Point3<f64>) -> Result<PhotosOfView<'a>, String> {
+    let missing = |rgb: [u8; 3]| {
+        let colour = light::to_hex(rgb);
+        format!("it has no located photo in {colour}: take one, or leave the colour out")
+    };
+    if let Some(rgb) = flats.iter().find(|rgb| !group.iter().any(|s| s.flat_rgb == **rgb)) {
+        return Err(missing(*rgb));
+    }
+    let mut candidates: Vec<(f64, &FlatPhoto, Vec<&FlatPhoto>)> = Vec::new();
+    for reference in group {
+        let others = nearest(group, reference, flats, target_mm);
+        let turns = others.iter().map(|s| turn_deg(s, reference, target_mm));
+        candidates.push((turns.fold(0.0, f64::max), reference, others));
+    }
+    candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut first_reason = None;
+    for (_, reference, others) in candidates {
+        match matched(reference, &others, target_mm) {
+            Ok(view) => return Ok(view),
+            Err(reason) => first_reason = first_reason.or(Some(reason)),
+        }
+    }
+    // There is a photo of every colour, so there was a candidate.
+    Err(first_reason.unwrap_or_default())
+}
+
+/// The photo of every other colour that was taken nearest to the reference, in the order of the colours.
+fn nearest<'a>(
+    group: &[&'a FlatPhoto],
+    reference: &FlatPhoto,
+    flats: &[[u8; 3]],
+    target_mm: Point3<f64>,
+) -> Vec<&'a FlatPhoto> {
+    let others = flats.iter().filter(|rgb| **rgb != reference.flat_rgb);
+    others
+        .filter_map(|rgb| {
+            let of_colour = group.iter().filter(|s| s.flat_rgb == *rgb);
+            let turn = |s: &FlatPhoto| turn_deg(s, reference, target_mm);
+            of_colour.min_by(|a, b| turn(a).total_cmp(&turn(b))).copied()
+        })
+        .collect()
+}
+
+fn matched<'a>(
+    reference: &'a FlatPhoto,
+    others: &[&'a FlatPhoto],
+    target_mm: Point3<f64>,
+) -> Result<PhotosOfView<'a>, String> {
+    let with_gain = |photo: &&'a FlatPhoto| {
+        let (name, to) = (photo.name(), reference.name());
+        let turn_deg = turn_deg(photo, reference, target_mm);
+        require(turn_deg <= MOST_TURN_DEG, || {
+            format!(
+                "{name} was taken {turn_deg:.1}° aside from {to}, and {MOST_TURN_DEG}° is the most: take it nearer to there"
+            )
+        })?;
+        let (a, b) = (photo.from(target_mm).norm(), reference.from(target_mm).norm());
+        let percent = 100.0 * (a.max(b) / a.min(b) - 1.0);
+        require(percent <= MOST_CLOSER_PERCENT, || {
+            format!(
+                "{name} was taken {percent:.0} % nearer or further than {to}, and {MOST_CLOSER_PERCENT} % is the most: take it again"
+            )
+        })?;
+        let gain = exposure::gain(photo, reference).map_err(|reason| format!("{name}: {reason}"))?;
+        Ok(Other { photo, gain, turn_deg })
+    };
+    let others = others.iter().map(with_gain).collect::<Result<_, String>>()?;
+    Ok(PhotosOfView { reference, others })
+}
+
+/// The angle between two cameras, as the target sees them.
+fn turn_deg(a: &FlatPhoto, b: &FlatPhoto, target_mm: Point3<f64>) -> f64 {
+    a.from(target_mm).angle(&b.from(target_mm)).to_degrees()
+}

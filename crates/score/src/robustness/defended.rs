@@ -1,0 +1,46 @@
+//! Comparisons of a run on defended photos, and of photos with a defence with the same photos without it.
+
+use super::changes::changes;
+use super::condition::{Condition, Defending};
+use super::defences::{DefenceCard, Defences, DefendedRow, UNDEFENDED};
+use super::{Again, Held};
+use crate::Scores;
+use crate::error::ScoreError;
+use crate::observe::Options;
+
+/// Runs the detectors on every photo of a run again, under each of these defences, and compares the variants as [`super::under_corruption`] does.
+/// `None` where no photos pair.
+pub fn under_defences(
+    scores: &Scores,
+    defences: &[Defending],
+    options: &Options,
+    on_photo: impl Fn() + Sync,
+) -> Result<Option<Defences>, ScoreError> {
+    let defended = defences.iter().cloned().map(Condition::Defended);
+    let Some(again) = Again::of(scores, defended, options, on_photo)? else {
+        return Ok(None);
+    };
+    let names: Vec<String> = std::iter::once(UNDEFENDED.to_owned())
+        .chain(defences.iter().map(Defending::name))
+        .collect();
+    let named = |of_each: Vec<Vec<Held>>| -> Vec<DefendedRow> {
+        let of_each = names.iter().zip(of_each);
+        let rows = of_each.flat_map(|(name, own)| own.into_iter().map(move |held| (name.clone(), held)));
+        rows.map(|(defence, held)| DefendedRow { defence, held }).collect()
+    };
+    let changed = changes(scores, &again.photos, again.conditions.len(), options)?;
+    let notes = defences.iter().filter_map(|defence| match defence {
+        Defending::Program(program) => Some(program.card().notes.clone()),
+        Defending::Published(_) => None,
+    });
+    Ok(Some(Defences {
+        defences: defences.iter().map(DefenceCard::of).collect(),
+        cautions: again
+            .left_out(scores, "defended")
+            .into_iter()
+            .chain(notes.flatten())
+            .collect(),
+        rows: named(again.held),
+        changes: named(changed),
+    }))
+}
