@@ -21,12 +21,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub mod board;
-pub mod camera;
-pub mod locate;
-pub mod scene;
-pub mod simulate;
-pub mod tags;
+pub mod board; // calibration boards of tags or markers
+pub mod camera; // camera models and their files
+pub mod locate; // from tags to the pose, its uncertainty, or the reason for abstaining
+pub mod scene; // the table: model, tags and bins of viewpoints
+pub mod simulate; // tags as a camera at a viewpoint sees them, with noise and faults
+pub mod tags; // from photo to tag corners
 
 /// Keeps the first items if OpenCV has ArUco in its module `aruco` (before 4.7), the second if it is an object of `objdetect` (since 4.7).
 #[cfg(not(opencv_aruco_in_objdetect))]

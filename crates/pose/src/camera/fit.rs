@@ -1,6 +1,7 @@
 //! Adaptation of a camera to a photo that was scaled or turned.
 
-use super::{Camera, Distortion, DistortionModel};
+use super::distortion::{Distortion, DistortionModel};
+use super::model::Camera;
 
 /// Camera that fits one photo, and how it was derived from the camera file.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,15 +2,8 @@
 
 use std::ops::RangeInclusive;
 
-use super::Camera;
+use super::model::{Camera, Guess};
 use scaleproof_photo::Lens;
-
-/// Uncertainty of a guessed focal length.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Guess {
-    /// Bound of the error: the true focal length lies within ± this many percent.
-    pub focal_percent: f64,
-}
 
 /// Reason why no camera can be guessed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

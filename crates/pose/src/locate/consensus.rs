@@ -223,3 +223,8 @@ fn diagnose_outlier(m: &Match, pose: &Rigid, scene: &Scene, camera: &Camera) -> 
         Ignored::Moved
     }
 }
+
+/// Returns true if a pose's tags fit worse than a camera's noise explains. `rms_px` refers to the camera's own image size.
+pub fn is_poor_fit(rms_px: f64, camera: &Camera) -> bool {
+    rms_px * camera.deg_per_px() > MAX_NOISE_DEG
+}

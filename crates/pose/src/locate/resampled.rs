@@ -48,7 +48,7 @@ impl Resampled {
                 ..only.clone()
             };
             let pose = best_branch(&seen, &straight)?;
-            Some((pose, super::viewpoint(&pose, scene)))
+            Some((pose, Viewpoint::of_pose(&pose, scene.model.target_mm())))
         };
         Resampled((0..DRAWS).filter_map(pose).collect())
     }

@@ -3,6 +3,7 @@
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
+use scaleproof_core::geometry::Rigid;
 use scaleproof_core::geometry::angle::wrap_360;
 
 /// Viewpoint of the camera, relative to the model's target point.
@@ -26,6 +27,11 @@ impl Viewpoint {
             pitch_deg: d.z.atan2(d.x.hypot(d.y)).to_degrees(),
             distance_mm: d.norm(),
         }
+    }
+
+    /// Returns the viewpoint of the pose `T_camera_model` towards a point of the model frame, mm.
+    pub fn of_pose(pose: &Rigid, target_mm: Point3<f64>) -> Viewpoint {
+        Viewpoint::from_camera(pose.inverse() * Point3::origin(), target_mm)
     }
 
     /// Returns every combination, in the order a person walks: once round for each elevation at each distance.

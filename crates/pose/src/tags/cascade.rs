@@ -8,10 +8,11 @@ use std::borrow::Cow;
 use image::GrayImage;
 
 use super::apriltag_c::AprilTagC;
-use super::expected::{self, StillMissing};
+use super::expected;
 use super::fit::{TagFit, fitted};
 use super::legibility::Legibility;
 use super::merge::MergedTags;
+use super::missing::StillMissing;
 use super::search::{Found, Search, Strength, reduced_by};
 use super::{SeenTag, StartError, TagDetector, rivals};
 use crate::scene::TagFamily;

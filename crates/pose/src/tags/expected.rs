@@ -2,37 +2,16 @@
 
 use image::GrayImage;
 
+use super::TagImage;
 use super::border;
 use super::fit::TagFit;
 use super::likeness::{CellPattern, Corners, Likeness};
+use super::missing::ExpectedTag;
 use super::part::Part;
 use super::refine::{self, TagSides};
 use super::search::Found;
-use super::{TagImage, shortest_side_px};
-use crate::scene::TagFamily;
+use super::seen::shortest_side_px;
 use scaleproof_photo::Luma;
-
-/// Tag predicted by a possible pose.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ExpectedTag {
-    /// Family of the tag.
-    pub family: TagFamily,
-    /// Number of the tag in its family.
-    pub id: u32,
-    /// Pixel corners as in [`super::SeenTag`].
-    pub corners_px: [[f64; 2]; 4],
-    /// True if the tag faces the camera, unhidden, large and well inside the image: a search that misses it is incomplete.
-    pub is_in_plain_view: bool,
-}
-
-/// Result of matching the tags found so far with the scene: what is still missing.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct StillMissing {
-    /// True if they determine a pose without ambiguity.
-    pub has_pose: bool,
-    /// Tags not found yet that the pose predicts or, without one, each pose the tags allow.
-    pub expected: Vec<ExpectedTag>,
-}
 
 /// Maximum offset from the predicted position, in steps of half a bit cell.
 const REACH_HALF_CELLS: usize = 5;

@@ -2,7 +2,7 @@
 
 use super::fit::{self, TagFit};
 use super::search::Found;
-use super::{SeenTag, middle_px, shortest_side_px};
+use super::seen::{SeenTag, middle_px, shortest_side_px};
 use scaleproof_core::geometry::distance;
 use scaleproof_photo::Luma;
 

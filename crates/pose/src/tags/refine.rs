@@ -6,8 +6,9 @@
 
 use image::GrayImage;
 
+use super::TagHomography;
 use super::edge::{self, BandPixels, Edge, EdgeProfile};
-use super::{TagHomography, shortest_side_px};
+use super::seen::shortest_side_px;
 use scaleproof_core::geometry::distance;
 
 /// Length of a fitted segment, px: enough for a precise line; longer ones cost time, and bend by lens distortion.
