@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Scene, TagFamily};
-use scaleproof_rig::survey::{Sizes, SurveyInput, look, shift, survey};
+use scaleproof_rig::survey::{Sizes, SurveyInput, detect_tags, shift, survey};
 
 use crate::common::shared;
 
@@ -27,7 +27,7 @@ fn the_tags_of_a_room_are_placed_and_none_is_called_moved() {
         .filter(|path| path.extension().is_some_and(|e| e == "JPG"))
         .collect();
     files.sort();
-    let photos = look(&files, &scene, FAMILY, &camera, || ()).unwrap().photos;
+    let photos = detect_tags(&files, &scene, FAMILY, &camera, || ()).unwrap().photos;
     let sizes: Sizes = "127".parse().unwrap();
     let given = SurveyInput {
         scene: &scene,

@@ -479,7 +479,7 @@ fn groups_that_no_photo_connects_are_named() {
     // Two fixed tags, one in each group, connect them.
     let found = survey_with(&photos, &scene, &[0, 4], None);
     assert!(found.as_ref().map_or_else(
-        |e| *e == SurveyError::TwoArrangements,
+        |e| matches!(e, SurveyError::TwoArrangements),
         |f| worst(&f.scene, &scene).2 < 6.0
     ));
 }

@@ -7,10 +7,10 @@
 //!
 //! let board = Definition::open(Path::new("../../calibration/charuco_9x7_22mm.toml"))?;
 //! let photo = Path::new("../../captures/skyline/normal_000.jpg").to_owned();
-//! let (seen, unused) = calibrate::look(&[photo], &board, || ());
+//! let (seen, unused) = calibrate::detect_boards(&[photo], &board, || ());
 //! assert!(seen.is_empty() && unused.len() == 1, "the photo of the model shows no board");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub mod calibrate;
-pub mod survey;
+pub mod calibrate; // a camera from photos or a film of a board, or of a scene's tags
+pub mod survey; // places of tags from photos

@@ -59,7 +59,7 @@ pub(in crate::cli) fn run(mut args: Args, out: &mut dyn Write) -> CommandResult 
                 .ok_or("--scene takes a video: photos calibrate with a printed board (--board)")?;
             args.photos = photos::of(&args.photos)?;
             let bar = progress::photos("looking", args.photos.len());
-            let (seen, left_out) = calibrate::look(&args.photos, board, || bar.inc(1));
+            let (seen, left_out) = calibrate::detect_boards(&args.photos, board, || bar.inc(1));
             bar.finish_and_clear();
             progress::busy("fitting the camera").during(|_| calibrate::calibrate(seen, left_out, board))?
         }

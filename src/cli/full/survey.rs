@@ -13,7 +13,7 @@ use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Scene, TagFamily};
 use scaleproof_print::tags::arrange;
 use scaleproof_rig::survey::{
-    LeftOutReason, PhotoReport, Sizes, Survey, SurveyError, SurveyInput, SurveyPhotos, TagReport, look, survey,
+    LeftOutReason, PhotoReport, Sizes, Survey, SurveyInput, SurveyPhotos, TagReport, detect_tags, survey,
 };
 
 /// Find out from photos where tags stand that were placed by hand, and write it as a scene.toml.
@@ -54,7 +54,7 @@ pub(in crate::cli) fn run(mut args: Args, out: &mut dyn Write) -> CommandResult 
     let camera = Camera::open(&args.camera)?;
     let fixed = fixed(&args, &scene)?;
     let SurveyPhotos { photos, cautions } = progress::photos("finding tags", args.photos.len())
-        .during(|bar| look(&args.photos, &scene, args.family, &camera, || bar.inc(1)))?;
+        .during(|bar| detect_tags(&args.photos, &scene, args.family, &camera, || bar.inc(1)))?;
     let given = SurveyInput {
         scene: &scene,
         fixed: &fixed,
@@ -89,8 +89,6 @@ fn for_output(mut scene: Scene, args: &Args) -> std::io::Result<Scene> {
 /// What to do about an error of the library, or about a tag that is left out.
 pub(in crate::cli) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     advice_by_kind! { error,
-        SurveyError::NothingToSurvey => "give their sizes with --sizes, and uncover them",
-        SurveyError::TwoSizes { .. } => " in --sizes: correct one of them",
         LeftOutReason::NoSize => "name it in --sizes",
     }
 }

@@ -7,42 +7,16 @@ use opencv::calib3d;
 use opencv::core::{Mat, Point2d, Point2f, Size, TermCriteria, Vector};
 use opencv::prelude::*;
 
-use super::SeenCorner;
+use super::board_photo::SeenCorner;
 use super::sharpness::{BLURRED_PX, edge_width_px};
 use scaleproof_core::geometry::{distance, extent};
+use scaleproof_core::message::{Message, bail, message};
 use scaleproof_core::statistics::upper_median;
 use scaleproof_photo::Luma;
 use scaleproof_pose::board::{Definition, Marker};
 use scaleproof_pose::tags::{
     DictionaryError, MarkerDictionary, SeenMarker, enlarged, least_reduction, marker_search, sides_px,
 };
-
-/// Reason why a photo gave no corners.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum NoBoard {
-    #[error("no board was found: is this the board of the file, wholly in the photo, sharp and evenly lit?")]
-    NotFound,
-    #[error("{foreign} of the {seen} markers seen are not on this board: is the board file another board's?")]
-    Foreign { foreign: usize, seen: usize },
-    #[error(
-        "it is blurred: its edges are {width_px:.0} px wide, more than {BLURRED_PX} px; hold board and camera still"
-    )]
-    Blurred { width_px: f64 },
-    #[error(
-        "the board is too small in the photo: its squares are {square_px:.0} px wide, {least_px:.0} px are needed; bring it nearer"
-    )]
-    SmallSquares { square_px: f64, least_px: f64 },
-    #[error(
-        "only {found} of the board's {all} corners were found, {least} are needed: bring it nearer, or light it better"
-    )]
-    FewCorners { found: usize, all: usize, least: usize },
-    #[error(
-        "the corners found do not lie on a flat board of these measures: is the board file another board's, or is the board bent?"
-    )]
-    NotFlat,
-    #[error("OpenCV gave up: {0}")]
-    OpenCv(String),
-}
 
 /// Number of pixels from which photos are reduced for the search: OpenCV takes some 45 bytes for each pixel.
 const MOST_SEARCHED_PX: u64 = 27_000_000;
@@ -86,16 +60,26 @@ pub fn check(board: &Definition) -> Result<(), DictionaryError> {
     }
 }
 
+fn not_found() -> Message {
+    message!("no board was found: is this the board of the file, wholly in the photo, sharp and evenly lit?")
+}
+
+fn not_flat() -> Message {
+    message!(
+        "the corners found do not lie on a flat board of these measures: is the board file another board's, or is the board bent?"
+    )
+}
+
 /// Finds the board's corners to a fraction of a pixel.
 ///
 /// ChArUco: markers, then each inner corner by the homography of the two markers beside it (OpenCV's `interpolateCornersCharuco`
 /// without a camera), refined as a saddle point. AprilGrid: Kalibr's tag corners touch black squares, so they are saddle points too.
 /// Chessboard: OpenCV's sector-based detector (Duda & Frese 2018), which must see the whole board, in reduced copies of large photos; the corners
 /// are then refined as saddle points at full size.
-pub(super) fn find(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorner>, NoBoard> {
+pub(super) fn find(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorner>, Message> {
     let factor = least_reduction(grey, MOST_SEARCHED_PX);
     if grey.width().min(grey.height()) / factor < LEAST_SIDE_PX {
-        return Err(NoBoard::NotFound);
+        return Err(not_found());
     }
     if factor == 1 {
         return find_in(grey, board);
@@ -107,7 +91,7 @@ pub(super) fn find(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorne
     Ok(found)
 }
 
-fn find_in(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorner>, NoBoard> {
+fn find_in(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorner>, Message> {
     let image = mat(grey).map_err(failed)?;
     let (found, markers) = match board {
         Definition::Chessboard { inner_corners, .. } => {
@@ -131,13 +115,14 @@ fn find_in(grey: &GrayImage, board: &Definition) -> Result<Vec<SeenCorner>, NoBo
         return Err(small);
     }
     Err(match (found.len(), edge_width_px(grey, &found)) {
-        (0, _) => NoBoard::NotFound,
-        (_, Some(width_px)) if width_px > BLURRED_PX => NoBoard::Blurred { width_px },
-        (found, _) => NoBoard::FewCorners {
-            found,
-            all: board.corners_mm().len(),
-            least: LEAST_CORNERS,
-        },
+        (0, _) => not_found(),
+        (_, Some(width_px)) if width_px > BLURRED_PX => message!(
+            "it is blurred: its edges are {width_px:.0} px wide, more than {BLURRED_PX} px; hold board and camera still"
+        ),
+        (found, _) => message!(
+            "only {found} of the board's {} corners were found, {LEAST_CORNERS} are needed: bring it nearer, or light it better",
+            board.corners_mm().len()
+        ),
     })
 }
 
@@ -163,7 +148,7 @@ fn room_mm(board: &Definition) -> f64 {
 }
 
 /// Returns the error of markers that are seen in squares (or tags) too small for their corners.
-fn small_squares(board: &Definition, markers: &[PlacedMarker]) -> Option<NoBoard> {
+fn small_squares(board: &Definition, markers: &[PlacedMarker]) -> Option<Message> {
     let side_mm = match board {
         Definition::Aprilgrid { tag_mm: side_mm, .. }
         | Definition::Charuco { square_mm: side_mm, .. }
@@ -172,7 +157,11 @@ fn small_squares(board: &Definition, markers: &[PlacedMarker]) -> Option<NoBoard
     let scales: Vec<f64> = markers.iter().map(PlacedMarker::px_per_mm).collect();
     let square_px = side_mm * upper_median(&scales)?;
     let least_px = (side_mm * LEAST_ROOM_PX / room_mm(board)).ceil();
-    (square_px < least_px).then_some(NoBoard::SmallSquares { square_px, least_px })
+    (square_px < least_px).then(|| {
+        message!(
+            "the board is too small in the photo: its squares are {square_px:.0} px wide, {least_px:.0} px are needed; bring it nearer"
+        )
+    })
 }
 
 fn mat(grey: &GrayImage) -> opencv::Result<Mat> {
@@ -181,13 +170,13 @@ fn mat(grey: &GrayImage) -> opencv::Result<Mat> {
         .try_clone()
 }
 
-fn failed(e: opencv::Error) -> NoBoard {
-    NoBoard::OpenCv(e.message.lines().next().unwrap_or_default().to_owned())
+fn failed(e: opencv::Error) -> Message {
+    message!("OpenCV gave up: {}", e.message.lines().next().unwrap_or_default())
 }
 
 /// Finds every marker of a dictionary, whose black border is `border_modules` modules wide.
-fn markers(image: &Mat, dictionary: &str, border_modules: u32) -> Result<Vec<SeenMarker>, NoBoard> {
-    let search = marker_search(dictionary, border_modules).map_err(|e| NoBoard::OpenCv(e.to_string()))?;
+fn markers(image: &Mat, dictionary: &str, border_modules: u32) -> Result<Vec<SeenMarker>, Message> {
+    let search = marker_search(dictionary, border_modules).map_err(|e| message!("OpenCV gave up: {e}"))?;
     search.find(image).map_err(failed)
 }
 
@@ -206,7 +195,7 @@ impl PlacedMarker {
 }
 
 /// Returns the seen markers that the board has, each seen once; `first` is OpenCV's number for the upper left corner.
-fn known(seen: Vec<SeenMarker>, board: &Definition, first: usize) -> Result<Vec<PlacedMarker>, NoBoard> {
+fn known(seen: Vec<SeenMarker>, board: &Definition, first: usize) -> Result<Vec<PlacedMarker>, Message> {
     let all = board.markers();
     let times = |id: i32| seen.iter().filter(|m| m.id == id).count();
     let place = |m: &SeenMarker| {
@@ -219,7 +208,7 @@ fn known(seen: Vec<SeenMarker>, board: &Definition, first: usize) -> Result<Vec<
     let placed: Vec<PlacedMarker> = once.filter_map(place).collect();
     let (foreign, seen) = (seen.iter().filter(|m| m.id as usize >= all.len()).count(), seen.len());
     if foreign > placed.len() {
-        return Err(NoBoard::Foreign { foreign, seen });
+        bail!("{foreign} of the {seen} markers seen are not on this board: is the board file another board's?");
     }
     Ok(placed)
 }
@@ -340,7 +329,7 @@ fn through(h: &Mat, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
 
 /// Checks the corners against one homography, from which a lens bends them by a few per cent at most. A corner further off was found in a wrong place
 /// and is left out; when that is every fifth, the board is not the one described.
-fn flat_enough(found: Vec<SeenCorner>, board: &Definition) -> Result<Vec<SeenCorner>, NoBoard> {
+fn flat_enough(found: Vec<SeenCorner>, board: &Definition) -> Result<Vec<SeenCorner>, Message> {
     const BENT_SHARE: f64 = 0.04;
     let places = board.corners_mm();
     let (from, to): (Vec<[f64; 2]>, Vec<[f64; 2]>) = found.iter().map(|c| (places[c.id], c.px)).unzip();
@@ -351,12 +340,12 @@ fn flat_enough(found: Vec<SeenCorner>, board: &Definition) -> Result<Vec<SeenCor
     let limit_px = BENT_SHARE * length(0).hypot(length(1));
     let mut mask = Mat::default();
     let h = calib3d::find_homography(&points(&from), &points(&to), &mut mask, calib3d::RANSAC, limit_px);
-    let Ok(h) = h else { return Err(NoBoard::NotFlat) };
+    let Ok(h) = h else { return Err(not_flat()) };
     let all = found.len();
     let fits = |c: &SeenCorner| through(&h, places[c.id]).is_some_and(|px| distance(px, c.px) <= limit_px);
     let kept: Vec<SeenCorner> = found.into_iter().filter(fits).collect();
     if kept.len() * 5 < all * 4 || kept.len() < LEAST_CORNERS {
-        return Err(NoBoard::NotFlat);
+        return Err(not_flat());
     }
     Ok(kept)
 }

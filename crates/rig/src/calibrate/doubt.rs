@@ -1,40 +1,15 @@
 //! Checks that refuse photos which determine no camera, and cautions about a weak one.
 
+use super::board_photo::{BoardPhoto, LEAST_PHOTOS, UnusedPhoto};
+use super::error::{CalibrationCaution, CalibrationError};
 use super::fit::{CameraFit, View};
 use super::ladder::{CandidateModel, normal};
 use super::model::LensModel;
+use super::result::{COVERAGE, Calibration};
 use super::sharpness::BLURRED_PX;
 use super::target::Target;
-use super::{BoardPhoto, COVERAGE, Calibration, LEAST_PHOTOS, UnusedPhoto};
+use scaleproof_core::message::bail;
 use scaleproof_core::statistics::upper_median;
-
-/// Reason why there is no camera. Each is a sentence a photographer can act on.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum CalibrationError {
-    #[error("no photo shows {what}; {first}")]
-    NoPhotos { what: &'static str, first: String },
-    #[error("only {usable} of {all} photos can be used, at least {LEAST_PHOTOS} are needed; {first}")]
-    FewPhotos { usable: usize, all: usize, first: String },
-    #[error(
-        "all photos show the board from the same side (within {spread_deg:.0}°), which leaves the focal length open: tilt the board by 30° to 45° to the left, right, front and back"
-    )]
-    SameTilt { spread_deg: f64 },
-    #[error("these photos leave the focal length open (±{percent} %): {advice}")]
-    FocalOpen { percent: String, advice: &'static str },
-    #[error("the corners are {rms_px:.1} px off, root mean square (limit {limit_px:.1} px): {question}")]
-    HighResidual {
-        rms_px: f64,
-        limit_px: f64,
-        question: &'static str,
-    },
-    #[error("no camera explains these photos: are they of one board, by one camera at one zoom?")]
-    NoFit,
-}
-
-/// Caution about a camera that was found, as a sentence.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
-#[serde(transparent)]
-pub struct CalibrationCaution(pub String);
 
 /// Ratio to the usual edge width of the set above which a photo can be blurred, so that a soft lens is not held against every photo.
 const BLUR_TIMES: f64 = 2.0;
@@ -94,17 +69,12 @@ pub(super) fn enough(
     }
     let first = left_out.first().map(|out| format!("{}: {}", out.file, out.reason));
     let first = first.unwrap_or_else(|| "give more photos".to_owned());
-    Err(match board_photos.len() {
-        0 => CalibrationError::NoPhotos {
-            what: target.name(),
-            first,
-        },
-        usable => CalibrationError::FewPhotos {
-            usable,
-            all: usable + left_out.len(),
-            first,
-        },
-    })
+    let usable = board_photos.len();
+    if usable == 0 {
+        bail!("no photo shows {}; {first}", target.name());
+    }
+    let all = usable + left_out.len();
+    bail!("only {usable} of {all} photos can be used, at least {LEAST_PHOTOS} are needed; {first}")
 }
 
 /// Refuses photos that all show a board from one side. Tags that stand up are no plane, so that one side may be enough of a scene.
@@ -152,14 +122,11 @@ pub(super) fn fits(
     (width, height): (u32, u32),
     target: Target,
 ) -> Result<(), CalibrationError> {
-    let rms_px = super::rms_px(fit, views);
+    let rms_px = fit.rms_px(views);
     let limit_px = MOST_RMS_SHARE * f64::from(width).hypot(f64::from(height));
     if rms_px > limit_px {
-        return Err(CalibrationError::HighResidual {
-            rms_px,
-            limit_px,
-            question: target.misfit_question(),
-        });
+        let question = target.misfit_question();
+        bail!("the corners are {rms_px:.1} px off, root mean square (limit {limit_px:.1} px): {question}");
     }
     Ok(())
 }

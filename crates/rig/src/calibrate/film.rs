@@ -4,10 +4,11 @@ use std::path::Path;
 
 use image::GrayImage;
 
+use super::board_photo::{BoardPhoto, SeenCorner, UnusedPhoto};
 use super::detect::LEAST_CORNERS;
 use super::shutter::Motion;
 use super::target::{LEAST_TAGS, Target, corners_of};
-use super::{BoardPhoto, UnusedPhoto, detect, sharpness};
+use super::{detect, sharpness};
 use scaleproof_core::statistics::upper_median;
 use scaleproof_core::{files, workers};
 use scaleproof_photo::turned_to_sensor;
@@ -236,7 +237,7 @@ fn choose(photos: Vec<BoardPhoto>) -> Vec<BoardPhoto> {
 /// Returns the mean distance between the corners that both frames show, as a share of the image's diagonal; 1 where they share too few.
 fn difference(a: &BoardPhoto, b: &BoardPhoto) -> f64 {
     let (width, height) = a.size;
-    let way = |x: &super::SeenCorner| {
+    let way = |x: &SeenCorner| {
         let other = b.corners.iter().find(|y| y.id == x.id)?;
         Some((x.px[0] - other.px[0]).hypot(x.px[1] - other.px[1]))
     };

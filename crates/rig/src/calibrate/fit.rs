@@ -111,6 +111,12 @@ fn best_start(view: &View, camera: &Parameters) -> Option<Rigid> {
 }
 
 impl CameraFit {
+    /// Returns the root mean square residual over all corners of the views, px.
+    pub(super) fn rms_px(&self, views: &[View]) -> f64 {
+        let corners: usize = views.iter().map(|v| v.seen_px.len()).sum();
+        (self.cost / corners as f64).sqrt()
+    }
+
     /// Returns seen minus projected, px, of each corner of each view.
     pub fn residuals(&self, views: &[View]) -> Vec<Vec<[f64; 2]>> {
         let pairs = views.iter().zip(&self.poses);

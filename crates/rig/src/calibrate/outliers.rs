@@ -2,9 +2,9 @@
 
 use nalgebra::Point3;
 
+use super::board_photo::{BoardPhoto, LEAST_PHOTOS, UnusedPhoto};
 use super::fit::{self, CameraFit, View};
 use super::model::LensModel;
-use super::{BoardPhoto, UnusedPhoto};
 use scaleproof_core::statistics::upper_median;
 
 /// Models fitted in turn for the judge of photos, the last rich enough that a lens is no outlier.
@@ -39,7 +39,7 @@ pub(super) fn clean(mut board_photos: Vec<BoardPhoto>, size: (u32, u32), places:
         // Without a judge nothing is left out.
         let judged = judge(&first, size, &views).map_or_else(Vec::new, |judge| judge.residuals(&views));
         let lengths: Vec<Vec<f64>> = judged.iter().map(length).collect();
-        if let Some((worst, reason)) = worst_photo(&lengths).filter(|_| board_photos.len() > super::LEAST_PHOTOS) {
+        if let Some((worst, reason)) = worst_photo(&lengths).filter(|_| board_photos.len() > LEAST_PHOTOS) {
             let file = board_photos.remove(worst).file;
             dropped.push(UnusedPhoto { file, reason });
             continue;
@@ -62,7 +62,7 @@ pub(super) fn judge(first: &CameraFit, size: (u32, u32), views: &[View]) -> Opti
     let judge = JUDGE.into_iter().try_fold(first.clone(), |start, model| {
         fit::fit(model, views, start.camera, start.poses)
     });
-    let is_enough = |judge: &CameraFit| super::rms_px(judge, views) < PHOTO_PX.min(CORNER_PX);
+    let is_enough = |judge: &CameraFit| judge.rms_px(views) < PHOTO_PX.min(CORNER_PX);
     if judge.as_ref().is_some_and(is_enough) {
         return judge;
     }

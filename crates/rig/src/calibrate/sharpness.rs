@@ -2,7 +2,7 @@
 
 use image::GrayImage;
 
-use super::SeenCorner;
+use super::board_photo::SeenCorner;
 use scaleproof_core::statistics::upper_median;
 
 /// Width above which edges are blurred, px: a corner is then found, but where a moving camera smeared it. Sharp photos measure 3 to 5 px.

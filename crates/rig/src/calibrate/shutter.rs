@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::BoardPhoto;
+use super::board_photo::{BoardPhoto, SeenCorner};
 use super::fit::{self, CameraFit, View};
 use super::model::ALL;
 
@@ -106,7 +106,7 @@ fn still(views: &[View], photos: &[BoardPhoto], motion: &Motion, seconds: f64) -
 
 /// Returns the shift of each corner of a photo by a read-out of `seconds`, px.
 fn shifts(photo: &BoardPhoto, motion: &Motion, seconds: f64) -> Vec<[f64; 2]> {
-    let shift = |corner: &super::SeenCorner| {
+    let shift = |corner: &SeenCorner| {
         let speed = motion.get(&(photo.file.clone(), corner.id)).unwrap_or(&[0.0; 2]);
         let late_s = seconds * ((corner.px[1] + 0.5) / f64::from(photo.size.1) - 0.5);
         speed.map(|speed| speed * late_s)

@@ -3,8 +3,12 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::board_photo::UnusedPhoto;
+use super::error::CalibrationCaution;
 use super::ladder::ModelDifference;
-use super::{Calibration, CalibrationCaution, Definition, LensModel, UnusedPhoto};
+use super::model::LensModel;
+use super::result::Calibration;
+use scaleproof_pose::board::Definition;
 
 /// `calibrate --json`. Standard deviations are of one sigma: by the scatter of the corners, or by leaving photos out where that is larger.
 #[derive(Serialize, JsonSchema)]

@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 
-use super::SeenCorner;
+use super::board_photo::SeenCorner;
 use super::model::LensModel;
 use scaleproof_pose::board::Definition;
 use scaleproof_pose::scene::Scene;

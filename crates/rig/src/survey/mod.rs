@@ -4,11 +4,11 @@
 //! all photos are adjusted together (bundle adjustment) around them.
 
 mod adjust;
+mod detect;
 mod edges;
 mod grow;
 mod lens;
 mod lens_numbers;
-mod look;
 mod network;
 mod problem;
 pub mod residual;
@@ -20,14 +20,16 @@ use nalgebra::Matrix6;
 use adjust::{Free, Loss, adjust};
 use network::{Node, Poses, Sighting, SizedTag, TINY, TagKey, TagNetwork};
 use scaleproof_core::geometry::Rigid;
+use scaleproof_core::message::{bail, message};
+use scaleproof_core::spelling::list;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::{expected_px2, planar_branches};
 use scaleproof_pose::scene::{Scene, Tag, TagFamily, TagSigma, corners_in_tag_mm};
 use scaleproof_pose::tags::SeenTag;
 use suspects::TagFault;
 
+pub use detect::{PhotoTags, SurveyPhotos, detect_tags};
 pub use edges::outwards;
-pub use look::{SurveyPhotos, look};
 pub use problem::{LeftOutReason, SurveyError};
 pub use sizes::Sizes;
 
@@ -44,12 +46,6 @@ const NOISE_FLOOR_PX: f64 = 0.1;
 /// draw, however many photos show it. In a room of real paper (`swatbotics`) the residuals are 0.8 times what is expected, yet a chain of tags is off
 /// by as much as expected.
 const NOISE_WEIGHT: f64 = 8.0;
-
-#[derive(Debug, Clone)]
-pub struct PhotoTags {
-    pub name: String,
-    pub seen: Vec<SeenTag>,
-}
 
 /// Input of a survey.
 #[derive(Debug, Clone, Copy)]
@@ -222,10 +218,12 @@ fn sized(key: TagKey, given: &SurveyInput) -> Result<Option<SizedTag>, SurveyErr
     if let (true, Some(given_mm), Some(scene_mm)) = (is_fixed, stated, scene_mm)
         && given_mm != scene_mm
     {
-        return Err(SurveyError::TwoSizes { id, scene_mm, given_mm });
+        bail!("tag {id} is fixed with {scene_mm} mm in the scene and given with {given_mm} mm"; hint: "correct one of them (‹sizes›)");
     }
     if is_fixed && known.is_none() {
-        return Err(SurveyError::FixedUnknown { id });
+        bail!(
+            "tag {id} is fixed but the scene does not say where it stands: add it to the scene file or fix another tag"
+        );
     }
     Ok(stated.or(scene_mm).map(|size_mm| SizedTag {
         key,
@@ -237,21 +235,28 @@ fn sized(key: TagKey, given: &SurveyInput) -> Result<Option<SizedTag>, SurveyErr
 fn check_connected(net: &TagNetwork) -> Result<(), SurveyError> {
     let photos = (0..net.photos).filter(|p| net.is_seen(Node::Photo(*p))).count();
     if photos < 2 {
-        return Err(SurveyError::TooFewPhotos { photos });
+        bail!(
+            "only {photos} of the photos shows a tag of known size, and a survey compares photos: give at least two, from different sides"
+        );
     }
     if !net.sightings.iter().any(|s| net.is_fixed(s.tag)) {
         let fixed = net.tags.iter().filter(|tag| tag.fixed.is_some());
-        let ids = fixed.map(|tag| tag.key.1).collect();
-        return Err(SurveyError::NoFixedTag { ids });
+        let ids: Vec<u32> = fixed.map(|tag| tag.key.1).collect();
+        bail!(
+            "no fixed tag (id {}) is seen whole in any photo, so that nothing ties the others to the model: take a photo that shows one",
+            list(&ids)
+        );
     }
     if net.sightings.iter().all(|s| net.is_fixed(s.tag)) {
-        return Err(SurveyError::NothingToSurvey);
+        bail!("no tag to survey is seen in any photo, only fixed ones or none"; hint: "give their sizes with ‹sizes›, and uncover them");
     }
     let groups = net.groups();
     if groups.len() > 1 {
-        let ids = |group: Vec<usize>| group.into_iter().map(|t| net.tags[t].key.1).collect();
-        let all = groups.into_iter().map(ids).collect();
-        return Err(SurveyError::Disconnected { all });
+        let ids = |group: &Vec<usize>| list(&group.iter().map(|t| net.tags[*t].key.1).collect::<Vec<_>>());
+        bail!(
+            "the tags fall into groups that no photo connects ({}): take a photo that shows tags of two groups, for each gap",
+            groups.iter().map(ids).collect::<Vec<_>>().join(" | ")
+        );
     }
     Ok(())
 }
@@ -268,7 +273,7 @@ fn without_suspects(
     loop {
         let (rms_px, limit_px) = (suspects::noise_px(&net, poses), MAX_NOISE_DEG / net.camera.deg_per_px());
         if rms_px > limit_px || 3 * net.sightings.len() < 2 * all {
-            return Err(SurveyError::Disagree { rms_px, limit_px });
+            return Err(disagreement(rms_px, limit_px));
         }
         let limit = suspects::Limit::new(&net, poses);
         let Some((tag, fault)) = suspects::worst(&net, poses, limit) else {
@@ -283,7 +288,7 @@ fn without_suspects(
             }
             TagFault::NotWhereGiven { mm } => {
                 let fault = format!("stands about {mm:.1} mm from where the scene says");
-                return Err(SurveyError::FixedTag { id: key.1, fault });
+                return Err(fixed_tag(key.1, &fault));
             }
             TagFault::Moved { mm, here, there } => LeftOutReason::Moved {
                 mm,
@@ -296,13 +301,27 @@ fn without_suspects(
             },
         };
         if fixed.is_some() {
-            let fault = reason.to_string();
-            return Err(SurveyError::FixedTag { id: key.1, fault });
+            return Err(fixed_tag(key.1, &reason.to_string()));
         }
         left_out.push(leave(key, reason));
         net.sightings.retain(|s| s.tag != tag);
         readjust(&net, poses);
     }
+}
+
+fn disagreement(rms_px: f64, limit_px: f64) -> SurveyError {
+    message!(
+        "the tags disagree by {rms_px:.1} px (limit {limit_px:.1} px): is this another camera, are the sizes wrong, or were many tags moved?"
+    )
+    .into()
+}
+
+fn fixed_tag(id: u32, fault: &str) -> SurveyError {
+    message!("fixed tag {id} {fault}, so that the others cannot be tied to it: put it right, or fix another tag").into()
+}
+
+fn undetermined() -> SurveyError {
+    message!("the photos leave the place of some tag open: take more photos, from different sides").into()
 }
 
 fn readjust(net: &TagNetwork, poses: &mut Poses) {
@@ -404,7 +423,7 @@ fn finished(
     let spare = numbers
         .checked_sub(adjust::unknowns(net, &poses))
         .filter(|spare| *spare > 0);
-    let spare = spare.ok_or(SurveyError::Undetermined)?;
+    let spare = spare.ok_or_else(undetermined)?;
     let spare = spare as f64;
     let weight = NOISE_WEIGHT * (0..net.tags.len()).filter(|t| net.is_seen(Node::Tag(*t))).count() as f64;
     let noise_px = ((weight * expected_px2(&TINY) + left) / (weight + spare)).sqrt();
@@ -413,12 +432,12 @@ fn finished(
     for s in &net.sightings {
         let (rms_px, limit_px) = (suspects::rms(s, net, &poses).unwrap_or(0.0), 2.0 * limit.px(s));
         if rms_px > limit_px {
-            return Err(SurveyError::Disagree { rms_px, limit_px });
+            return Err(disagreement(rms_px, limit_px));
         }
     }
     let squares = net.sightings.iter().filter_map(|s| suspects::rms(s, net, &poses));
     let seen_px = (squares.map(|rms| 4.0 * rms * rms).sum::<f64>() / spare).sqrt();
-    let covariances = adjust::covariances(net, &poses).ok_or(SurveyError::Undetermined)?;
+    let covariances = adjust::covariances(net, &poses).ok_or_else(undetermined)?;
     let (mut tags, mut reports) = (Vec::new(), Vec::new());
     for (t, sized) in net.tags.iter().enumerate() {
         let (family, id) = sized.key;

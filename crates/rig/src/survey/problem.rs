@@ -1,44 +1,16 @@
 //! Reasons why there is no survey, or a tag is not in it: sentences that a photographer can act on.
 
-use scaleproof_core::spelling::list;
+use scaleproof_core::message::Message;
 
 /// Reason why there is no survey at all.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 pub enum SurveyError {
-    #[error(
-        "only {photos} of the photos shows a tag of known size, and a survey compares photos: give at least two, from different sides"
-    )]
-    TooFewPhotos { photos: usize },
-    #[error("no tag to survey is seen in any photo, only fixed ones or none")]
-    NothingToSurvey,
-    #[error(
-        "no fixed tag (id {}) is seen whole in any photo, so that nothing ties the others to the model: take a photo that shows one",
-        list(ids)
-    )]
-    NoFixedTag { ids: Vec<u32> },
-    #[error(
-        "the tags fall into groups that no photo connects ({}): take a photo that shows tags of two groups, for each gap",
-        all.iter().map(|ids| list(ids)).collect::<Vec<_>>().join(" | ")
-    )]
-    Disconnected { all: Vec<Vec<u32>> },
     #[error(
         "two arrangements of the tags explain the photos almost equally well: take more photos, from different sides, or fix a second tag"
     )]
     TwoArrangements,
-    #[error("the photos leave the place of some tag open: take more photos, from different sides")]
-    Undetermined,
-    #[error(
-        "the tags disagree by {rms_px:.1} px (limit {limit_px:.1} px): is this another camera, are the sizes wrong, or were many tags moved?"
-    )]
-    Disagree { rms_px: f64, limit_px: f64 },
-    #[error("fixed tag {id} {fault}, so that the others cannot be tied to it: put it right, or fix another tag")]
-    FixedTag { id: u32, fault: String },
-    #[error(
-        "tag {id} is fixed but the scene does not say where it stands: add it to the scene file or fix another tag"
-    )]
-    FixedUnknown { id: u32 },
-    #[error("tag {id} is fixed with {scene_mm} mm in the scene and given with {given_mm} mm")]
-    TwoSizes { id: u32, scene_mm: f64, given_mm: f64 },
+    #[error(transparent)]
+    Message(#[from] Message),
 }
 
 /// Reason why a seen tag is not in the surveyed scene.

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use crate::calibrate::{COVERAGE, Calibration};
+use crate::calibrate::result::{COVERAGE, Calibration};
 use scaleproof_core::geometry::convex_hull;
 use scaleproof_core::statistics::upper_median;
 

@@ -4,7 +4,8 @@ mod charts;
 
 use maud::{Markup, html};
 
-use super::{Calibration, numbers};
+use super::result::Calibration;
+use super::summary::numbers;
 use scaleproof_plot::plain_page;
 
 pub fn page(found: &Calibration) -> String {

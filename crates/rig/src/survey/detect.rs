@@ -3,25 +3,34 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use super::PhotoTags;
+use scaleproof_core::message::{Message, bail, message};
 use scaleproof_core::workers;
 use scaleproof_photo::{Photo, PhotoError};
-use scaleproof_pose::camera::{Camera, FittedCamera, SizeError};
+use scaleproof_pose::camera::{Camera, FittedCamera};
 use scaleproof_pose::scene::{Scene, TagFamily};
 use scaleproof_pose::tags::{AprilTagC, SeenTag, StartError, TagDetector};
 
+/// Tags found in one photo.
+#[derive(Debug, Clone)]
+pub struct PhotoTags {
+    /// File name of the photo.
+    pub name: String,
+    /// Tags with corners in the image that the camera file is for, px.
+    pub seen: Vec<SeenTag>,
+}
+
+/// Reason why the tags of a photo are not known.
 #[derive(Debug, thiserror::Error)]
 pub enum SurveyPhotoError {
     #[error(transparent)]
     Tags(#[from] StartError),
     #[error(transparent)]
     Photo(#[from] PhotoError),
-    #[error("{}: {reason}", path.display())]
-    Size { path: PathBuf, reason: SizeError },
-    #[error("{} is the same photo as {}, which would count twice: give it once", photo.display(), first.display())]
-    Twice { photo: PathBuf, first: PathBuf },
+    #[error(transparent)]
+    Message(#[from] Message),
 }
 
+/// Tags of all photos of a survey.
 #[derive(Debug)]
 pub struct SurveyPhotos {
     /// Tags of each photo, in the order of the photos.
@@ -34,7 +43,7 @@ pub struct SurveyPhotos {
 ///
 /// A survey has one camera. A photo that EXIF turned, or that was made smaller, is fitted as any photo, and its corners are moved back
 /// into the image that the camera file is for.
-pub fn look(
+pub fn detect_tags(
     photos: &[PathBuf],
     scene: &Scene,
     family: TagFamily,
@@ -48,13 +57,13 @@ pub fn look(
     let found = workers::map(
         photos,
         || Ok(AprilTagC::new(&families)?),
-        |detector, path| look_at(path, camera, detector),
+        |detector, path| detect_in(path, camera, detector),
         on_done,
     )?;
     for (i, (hash, ..)) in found.iter().enumerate() {
         if let Some(first) = found[..i].iter().position(|(other, ..)| other == hash) {
-            let (photo, first) = (photos[i].clone(), photos[first].clone());
-            return Err(SurveyPhotoError::Twice { photo, first });
+            let (photo, first) = (photos[i].display(), photos[first].display());
+            bail!("{photo} is the same photo as {first}, which would count twice: give it once");
         }
     }
     let mut scaled: BTreeMap<String, Vec<&str>> = BTreeMap::new();
@@ -72,7 +81,7 @@ pub fn look(
 }
 
 /// Returns a photo's hash and tags, and the camera that fits it.
-fn look_at(
+fn detect_in(
     path: &Path,
     camera: &Camera,
     detector: &mut AprilTagC,
@@ -80,10 +89,7 @@ fn look_at(
     let photo = Photo::open(path)?;
     let luma = photo.luma()?;
     let fitted = camera.for_photo(luma.width(), luma.height(), photo.turned_deg);
-    let fitted = fitted.map_err(|reason| SurveyPhotoError::Size {
-        path: path.to_owned(),
-        reason,
-    })?;
+    let fitted = fitted.map_err(|reason| message!("{}: {reason}", path.display()))?;
     let in_file = |tag: SeenTag| SeenTag {
         corners_px: tag.corners_px.map(|px| camera.unfitted_px(&fitted, px)),
         ..tag
