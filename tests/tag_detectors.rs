@@ -627,7 +627,7 @@ fn a_detector_is_chosen_by_name() {
     };
     let scene = skyline().join("scene.toml");
     for choice in TagDetectorChoice::ALL {
-        assert_eq!(choice.name().parse(), Ok(choice));
+        assert_eq!(choice.name().parse().ok(), Some(choice));
         assert_eq!(locate(&scene, choice.name()).status.code(), Some(0), "{choice}");
     }
     for peer in TagDetectorChoice::PEERS {

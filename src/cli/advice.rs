@@ -11,7 +11,6 @@ use scaleproof_detect::{
     ManifestError, NetworkFormat, NoSuchClass, OutsideError, ProgramError, ProposalNote, ProposeError, RecordedError,
     RegisterError, WeightsError,
 };
-use scaleproof_pose::tags::StartError;
 use scaleproof_print::output::OutputError;
 use scaleproof_print::paint::PaintError;
 use scaleproof_print::tags::{Instead, TagPrintError};
@@ -97,7 +96,6 @@ pub(super) fn on(error: &(dyn Error + 'static)) -> Option<String> {
         ProposeError::NoLabels { .. } => "name the labels by --labels, as coco80, coco91, voc20 or a file with one a line",
         ProposalNote::LabelsByCount { .. } => "name others by --labels",
         ProposalNote::OpenSize { .. } => ", name another by --size",
-        StartError::NotBuilt { .. } => "leave --tag-detector out",
         ShardError::NotAShard { .. } => "name the files that score --shard wrote",
         WrapError::OtherSize { .. } =>
             "; give --length-mm, or --mesh-front and --mesh-up if the mesh lies otherwise, or correct size_mm of the scene",

@@ -5,6 +5,8 @@ use std::str::FromStr;
 
 use nalgebra::Vector3;
 
+use crate::message::{Message, message};
+
 /// A direction along one axis of a file: `+x`, `-x`, `+y`, `-y`, `+z` or `-z`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SignedAxis {
@@ -17,6 +19,12 @@ pub struct SignedAxis {
 #[error("'{text}' is no direction; write one of +x, -x, +y, -y, +z, -z")]
 pub struct NoDirection {
     text: String,
+}
+
+impl From<NoDirection> for Message {
+    fn from(error: NoDirection) -> Message {
+        message!("{error}")
+    }
 }
 
 impl SignedAxis {

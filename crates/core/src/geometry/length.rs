@@ -4,6 +4,8 @@
 use std::num::ParseFloatError;
 use std::ops::RangeInclusive;
 
+use crate::message::{Message, message};
+
 /// The longest length, and the farthest place: a hall. A full-size lorry takes a fifth of it.
 pub const LONGEST_MM: f64 = 100_000.0;
 /// The smallest size of anything that is there: a micrometre.
@@ -22,6 +24,12 @@ pub struct BadLength {
     value: String,
     least: f64,
     most: f64,
+}
+
+impl From<BadLength> for Message {
+    fn from(error: BadLength) -> Message {
+        message!("{error}")
+    }
 }
 
 /// The size of a thing. `what` begins the sentence of a refusal.

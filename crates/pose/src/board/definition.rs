@@ -1,40 +1,12 @@
 //! File that describes a board, for the programs that detect it.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use scaleproof_core::files;
-use scaleproof_core::geometry::length::{self, BadLength, number};
-
-/// Reason why a board file was refused, or could not be written.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum DefinitionError {
-    #[error("{0}")]
-    File(String),
-    #[error("{path} is no board file ({fault}): use the .toml that `print board` wrote, or one of calibration/", path = path.display())]
-    Content { path: PathBuf, fault: BoardFault },
-    #[error("the definition could not be put together: {0}")]
-    Write(String),
-}
-
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum BoardFault {
-    #[error("{0}")]
-    Syntax(String),
-    #[error(transparent)]
-    Length(#[from] BadLength),
-    #[error("marker_mm must be below square_mm")]
-    LargeMarker,
-    #[error("inner_corners must be one below squares each way")]
-    InnerCorners,
-    #[error("family {0} is not supported, only tag36h11")]
-    Family(String),
-    #[error("border_modules must be 1 to {}", Definition::MOST_BORDER_MODULES)]
-    Border,
-    #[error("it must have {0} to {most} columns and rows", most = Definition::MOST_SQUARES)]
-    Count(u32),
-}
+use scaleproof_core::geometry::length::{self, number};
+use scaleproof_core::message::{Message, bail, message};
 
 /// A board by the numbers a detector needs. Lengths in mm; (columns, rows).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -84,22 +56,24 @@ impl Definition {
     /// Maximum width of a border, in modules; wider ones leave no code in a tag.
     const MOST_BORDER_MODULES: u32 = 4;
 
-    pub fn open(path: &Path) -> Result<Self, DefinitionError> {
-        let text = files::read_text(path).map_err(|e| DefinitionError::File(e.to_string()))?;
-        let refuse = |fault| DefinitionError::Content {
-            path: path.to_owned(),
-            fault,
+    pub fn open(path: &Path) -> Result<Self, Message> {
+        let text = files::read_text(path).map_err(|e| message!("{e}"))?;
+        let refuse = |fault| {
+            message!(
+                "{path} is no board file ({fault}): use the .toml that `print board` wrote, or one of calibration/",
+                path = path.display()
+            )
         };
-        let syntax = |e: toml::de::Error| BoardFault::Syntax(e.message().trim().replace('\n', " "));
+        let syntax = |e: toml::de::Error| message!("{}", e.message().trim().replace('\n', " "));
         let definition: Self = toml::from_str(&text).map_err(|e| refuse(syntax(e)))?;
         definition.checked().map_err(refuse)
     }
 
-    fn checked(self) -> Result<Self, BoardFault> {
+    fn checked(self) -> Result<Self, Message> {
         let (lengths, counts, least) = match &self {
             Self::Charuco {
                 square_mm, marker_mm, ..
-            } if marker_mm >= square_mm => return Err(BoardFault::LargeMarker),
+            } if marker_mm >= square_mm => bail!("marker_mm must be below square_mm"),
             Self::Charuco {
                 squares,
                 square_mm,
@@ -112,13 +86,15 @@ impl Definition {
                 square_mm,
             } => {
                 if *inner_corners != squares.map(|n| n.saturating_sub(1)) {
-                    return Err(BoardFault::InnerCorners);
+                    bail!("inner_corners must be one below squares each way");
                 }
                 (vec![("square_mm", *square_mm)], squares, 3)
             }
-            Self::Aprilgrid { family, .. } if family != "tag36h11" => return Err(BoardFault::Family(family.clone())),
+            Self::Aprilgrid { family, .. } if family != "tag36h11" => {
+                bail!("family {} is not supported, only tag36h11", family)
+            }
             Self::Aprilgrid { border_modules, .. } if !(1..=Self::MOST_BORDER_MODULES).contains(border_modules) => {
-                return Err(BoardFault::Border);
+                bail!("border_modules must be 1 to {}", Definition::MOST_BORDER_MODULES);
             }
             Self::Aprilgrid {
                 tags,
@@ -134,7 +110,10 @@ impl Definition {
             length::size_mm(what, value)?;
         }
         if counts.iter().any(|n| !(least..=Self::MOST_SQUARES).contains(n)) {
-            return Err(BoardFault::Count(least));
+            bail!(
+                "it must have {least} to {most} columns and rows",
+                most = Definition::MOST_SQUARES
+            );
         }
         Ok(self)
     }
@@ -205,8 +184,8 @@ impl Definition {
     ///
     /// # Errors
     /// Only if the TOML library fails.
-    pub fn to_toml(&self) -> Result<String, DefinitionError> {
-        let fields = toml::to_string(self).map_err(|e| DefinitionError::Write(e.to_string()))?;
+    pub fn to_toml(&self) -> Result<String, Message> {
+        let fields = toml::to_string(self).map_err(|e| message!("the definition could not be put together: {}", e))?;
         Ok(format!(
             "# {}\n# Lengths in mm; columns, rows. Written by `scaleproof print board`.\n{fields}",
             self.line()

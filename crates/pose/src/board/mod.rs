@@ -5,4 +5,4 @@ mod definition;
 
 pub use corners::Marker;
 
-pub use definition::{Definition, DefinitionError};
+pub use definition::Definition;

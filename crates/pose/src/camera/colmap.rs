@@ -3,8 +3,9 @@
 //! Source: COLMAP documentation, "Output Format" and "Camera Models" (`src/colmap/sensor/models.h`). Its pixels count from the corner of the
 //! first one, half a pixel before its centre.
 
+use super::Camera;
 use super::chosen::chosen;
-use super::{Camera, CameraFault};
+use scaleproof_core::message::{Message, message};
 
 fn lines(text: &str) -> impl Iterator<Item = Vec<&str>> {
     let lines = text
@@ -27,13 +28,10 @@ pub(super) fn is(text: &str) -> bool {
     })
 }
 
-pub(super) fn read(text: &str, name: Option<&str>) -> Result<Camera, CameraFault> {
+pub(super) fn read(text: &str, name: Option<&str>) -> Result<Camera, Message> {
     let cameras = lines(text).map(|words| (words[0].to_owned(), words)).collect();
     let (id, words) = chosen(cameras, name)?;
-    let refuse = |reason: String| CameraFault::Syntax {
-        what: "COLMAP's cameras.txt",
-        reason: format!("camera {id}: {reason}"),
-    };
+    let refuse = |reason: String| message!("not COLMAP's cameras.txt: camera {id}: {reason}");
     let numbers: Option<Vec<f64>> = words.iter().skip(2).map(|word| word.parse().ok()).collect();
     let numbers = numbers.ok_or_else(|| refuse("what follows its model is no list of numbers".into()))?;
     let sizes: Option<Vec<u32>> = words.iter().skip(2).take(2).map(|word| word.parse().ok()).collect();

@@ -1,7 +1,7 @@
 //! Error of a camera file.
 
-use super::fault::CameraFault;
 use scaleproof_core::files;
+use scaleproof_core::message::Message;
 
 /// Reason why a camera file was refused.
 #[derive(Debug, thiserror::Error)]
@@ -9,6 +9,6 @@ use scaleproof_core::files;
 pub enum CameraError {
     #[error(transparent)]
     File(#[from] files::FileError),
-    #[error("the camera cannot be written as {format}: {fault}")]
-    NotInFormat { format: &'static str, fault: CameraFault },
+    #[error(transparent)]
+    Message(#[from] Message),
 }

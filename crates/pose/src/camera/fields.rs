@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use super::{CameraFault, yaml};
+use super::yaml;
+use scaleproof_core::message::{Message, bail, message};
 
 /// Value in a file.
 #[derive(Debug, Clone, Deserialize)]
@@ -35,11 +36,11 @@ impl Fields {
     }
 
     /// Returns the names and values of a YAML or JSON text; no fields if the text is not a table.
-    pub(super) fn of_yaml(text: &str) -> Result<Fields, CameraFault> {
+    pub(super) fn of_yaml(text: &str) -> Result<Fields, Message> {
         let what = "a camera file";
         if text.contains("!!python/object") {
-            let reason = "it holds objects of Python instead of numbers: dump lists, as camera_matrix.tolist()".into();
-            return Err(CameraFault::Syntax { what, reason });
+            let reason = "it holds objects of Python instead of numbers: dump lists, as camera_matrix.tolist()";
+            bail!("not {what}: {reason}");
         }
         let values = match yaml::parse(text, what)? {
             Value::Map(values) => values,
@@ -75,13 +76,13 @@ impl Fields {
     }
 
     /// Returns an error that refuses the file for this reason.
-    pub(super) fn refuse(&self, reason: String) -> CameraFault {
+    pub(super) fn refuse(&self, reason: String) -> Message {
         let what = self.what;
-        CameraFault::Syntax { what, reason }
+        message!("not {what}: {reason}")
     }
 
     /// Returns the number under the first of the given names that is present; `None` if none is.
-    pub(super) fn number(&self, names: &[&str]) -> Result<Option<f64>, CameraFault> {
+    pub(super) fn number(&self, names: &[&str]) -> Result<Option<f64>, Message> {
         let Some((name, value)) = self.find(names) else {
             return Ok(None);
         };
@@ -97,7 +98,7 @@ impl Fields {
     }
 
     /// Returns the numbers under the first of the given names that is present: a list, nested lists, or a matrix of OpenCV or ROS with its shape.
-    pub(super) fn numbers(&self, names: &[&str]) -> Result<Option<Vec<f64>>, CameraFault> {
+    pub(super) fn numbers(&self, names: &[&str]) -> Result<Option<Vec<f64>>, Message> {
         let Some((name, value)) = self.find(names) else {
             return Ok(None);
         };
@@ -110,18 +111,16 @@ impl Fields {
             return Err(self.refuse(format!("{name} is no list of numbers")));
         }
         match shape {
-            Some([rows, cols]) if rows * cols != all.len() as f64 => Err(CameraFault::Matrix {
-                name: name.to_owned(),
-                rows,
-                cols,
-                found: all.len(),
-            }),
+            Some([rows, cols]) if rows * cols != all.len() as f64 => Err(message!(
+                "{name} says {rows} × {cols} but has {found} numbers",
+                found = all.len()
+            )),
             _ => Ok(Some(all)),
         }
     }
 
     /// Returns width and height of the image in pixels, under any of their usual names.
-    pub(super) fn size(&self) -> Result<[u32; 2], CameraFault> {
+    pub(super) fn size(&self) -> Result<[u32; 2], Message> {
         if let Some(size) = self.numbers(&["resolution", "image_size", "img_size"])? {
             let [width, height] = size[..] else {
                 return Err(self.refuse(format!(
@@ -145,7 +144,7 @@ impl Fields {
         ])
     }
 
-    fn whole(&self, name: &str, number: f64) -> Result<u32, CameraFault> {
+    fn whole(&self, name: &str, number: f64) -> Result<u32, Message> {
         let is_whole = number.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&number);
         let fault = || self.refuse(format!("{name} is {number}: give whole pixels"));
         is_whole.then_some(number as u32).ok_or_else(fault)

@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use super::fields::Fields;
-use super::{Camera, CameraError, CameraFault, colmap, kalibr, matrix_yaml, mrcal, nerf, xml, yaml};
+use super::{Camera, CameraError, colmap, kalibr, matrix_yaml, mrcal, nerf, xml, yaml};
 use scaleproof_core::files::{self, FileError};
+use scaleproof_core::message::{Message, bail, message};
 
 /// A camera file format that is read and written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,15 +62,15 @@ impl Camera {
             CameraFormat::Mrcal => mrcal::write(self),
         });
         let format = format.name();
-        written.map_err(|fault| CameraError::NotInFormat { format, fault })
+        written.map_err(|fault| message!("the camera cannot be written as {format}: {fault}").into())
     }
 }
 
 /// Parses the only camera of a file's text, or the one with the given name. The format is detected from the content, never from the file's name.
-fn parse(text: &str, name: Option<&str>) -> Result<Camera, CameraFault> {
+fn parse(text: &str, name: Option<&str>) -> Result<Camera, Message> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if text.trim().is_empty() {
-        return Err(CameraFault::Empty);
+        bail!("the file is empty");
     }
     let camera = if text.trim_start().starts_with('<') {
         xml::read(text)?
@@ -86,7 +87,7 @@ fn parse(text: &str, name: Option<&str>) -> Result<Camera, CameraFault> {
 }
 
 /// Reads a camera from a file with named values.
-fn keyed(fields: Fields, name: Option<&str>) -> Result<Camera, CameraFault> {
+fn keyed(fields: Fields, name: Option<&str>) -> Result<Camera, Message> {
     if nerf::is(&fields) {
         nerf::read(fields)
     } else if matrix_yaml::MATRIX.iter().any(|name| fields.has(name)) {

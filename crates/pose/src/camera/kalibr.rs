@@ -4,7 +4,8 @@
 
 use super::chosen::chosen;
 use super::fields::Fields;
-use super::{Camera, CameraFault, yaml};
+use super::{Camera, yaml};
+use scaleproof_core::message::{Message, bail, message};
 
 /// Keys of which every camera of such a file has at least one.
 const OWN: [&str; 2] = ["intrinsics", "distortion_coeffs"];
@@ -15,22 +16,22 @@ pub(super) fn is_one(fields: &Fields) -> bool {
 }
 
 /// Reads the only camera of a camchain, or the one with the given name.
-pub(super) fn read_chain(fields: Fields, name: Option<&str>) -> Result<Camera, CameraFault> {
+pub(super) fn read_chain(fields: Fields, name: Option<&str>) -> Result<Camera, Message> {
     let cameras = fields.called("a Kalibr camchain").tables_with(&OWN);
     if cameras.is_empty() {
-        return Err(CameraFault::UnknownFormat);
+        bail!(
+            "not a camera file: give one of OpenCV, ROS, Kalibr, EuRoC, mrcal, COLMAP (cameras.txt) or a NeRF program (transforms.json)"
+        );
     }
     let (name, camera) = chosen(cameras, name)?;
     read_one(camera, &name)
 }
 
 /// Reads one camera of a camchain, or a file of a single one, as EuRoC's `sensor.yaml`; its extrinsics are ignored.
-pub(super) fn read_one(fields: Fields, name: &str) -> Result<Camera, CameraFault> {
+pub(super) fn read_one(fields: Fields, name: &str) -> Result<Camera, Message> {
     let fields = fields.called("a Kalibr or EuRoC camera");
-    let unsupported = |key, model: &str| CameraFault::KalibrModel {
-        key,
-        model: model.to_owned(),
-        camera: name.to_owned(),
+    let unsupported = |key, model: &str| {
+        message!("{key} {model} of {name} is not supported: calibrate with pinhole and radtan or equidistant")
     };
     let text = |key: &'static str| {
         let missing = || fields.refuse(format!("{name} has no {key}"));
@@ -51,12 +52,11 @@ pub(super) fn read_one(fields: Fields, name: &str) -> Result<Camera, CameraFault
         .numbers(&["distortion_coeffs", "distortion_coefficients"])?
         .unwrap_or_default();
     let ([fx, fy, cx, cy], true) = (&intrinsics[..], coefficients.len() == count) else {
-        return Err(CameraFault::KalibrNumbers {
-            camera: name.to_owned(),
-            count,
-            intrinsics: intrinsics.len(),
-            coefficients: coefficients.len(),
-        });
+        bail!(
+            "{name} must have 4 intrinsics (fu, fv, pu, pv) and {count} distortion_coeffs, it has {intrinsics} and {coefficients}",
+            intrinsics = intrinsics.len(),
+            coefficients = coefficients.len()
+        );
     };
     let [width, height] = fields.size()?;
     let mut pinhole = Camera::pinhole(width, height, *fx, *fy, *cx, *cy);
@@ -66,10 +66,10 @@ pub(super) fn read_one(fields: Fields, name: &str) -> Result<Camera, CameraFault
     Ok(pinhole.with_distortion(&coefficients))
 }
 
-pub(super) fn write(camera: &Camera) -> Result<String, CameraFault> {
+pub(super) fn write(camera: &Camera) -> Result<String, Message> {
     let coefficients = camera.needed_coefficients(&[4]);
     if coefficients.len() > 4 {
-        return Err(CameraFault::BeyondRadtan);
+        bail!("its radtan model has only k1, k2, p1 and p2, and this camera has more: write another format");
     }
     let model = if camera.is_fisheye() { "equidistant" } else { "radtan" };
     let Camera { fx, fy, cx, cy, .. } = *camera;

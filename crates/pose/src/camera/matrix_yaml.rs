@@ -5,7 +5,8 @@
 //! `camera_calibration_parsers` (keys) and `sensor_msgs/CameraInfo` (models, matrices).
 
 use super::fields::Fields;
-use super::{Camera, CameraFault, yaml};
+use super::{Camera, yaml};
+use scaleproof_core::message::{Message, bail, message};
 
 /// Names of the camera matrix in files of OpenCV, ROS messages, and scripts around OpenCV.
 pub(super) const MATRIX: [&str; 5] = ["camera_matrix", "K", "mtx", "intrinsic_matrix", "camera_intrinsics"];
@@ -21,7 +22,7 @@ const COEFFICIENTS: [&str; 6] = [
 
 /// Reads a camera file with a matrix. Other keys are ignored: date, flags and errors serve the writers, and the rectification and projection of a
 /// single camera follow from the rest.
-pub(super) fn read(fields: Fields) -> Result<Camera, CameraFault> {
+pub(super) fn read(fields: Fields) -> Result<Camera, Message> {
     let model = fields.text("distortion_model").unwrap_or_default().to_owned();
     let is_of_ros = !model.is_empty();
     let fields = fields.called(if is_of_ros {
@@ -34,7 +35,7 @@ pub(super) fn read(fields: Fields) -> Result<Camera, CameraFault> {
         "plumb_bob" => 5,
         // "equidistant" is the name of ROS's own calibration program, "fisheye" that of others.
         "equidistant" | "fisheye" => return fisheye(&fields),
-        _ => return Err(CameraFault::RosModel(model)),
+        _ => bail!("distortion_model {model} is not supported: use plumb_bob, rational_polynomial or equidistant"),
     };
     if fields.number(&["fisheye_model"])?.unwrap_or(0.0) != 0.0 {
         return fisheye(&fields);
@@ -42,36 +43,44 @@ pub(super) fn read(fields: Fields) -> Result<Camera, CameraFault> {
     let (pinhole, coefficients) = parts(&fields)?;
     // k1 k2 p1 p2 (k3 (k4 k5 k6 (s1 s2 s3 s4 (τx τy)))); an empty list means no distortion.
     if ![0, 4, 5, 8, 12, 14].contains(&coefficients.len()) {
-        return Err(CameraFault::CoefficientCount(coefficients.len()));
+        bail!(
+            "distortion_coefficients has {} numbers: OpenCV knows 4, 5 or 8",
+            coefficients.len()
+        );
     }
     let (known, further) = coefficients.split_at(coefficients.len().min(8));
     if further.iter().any(|v| *v != 0.0) {
-        return Err(CameraFault::ThinPrismOrTilt);
+        bail!("thin-prism and tilt coefficients are not supported: calibrate with at most 8");
     }
     if is_of_ros && known.iter().skip(limit).any(|v| *v != 0.0) {
         let found = known.len();
-        return Err(CameraFault::RosCoefficients { model, limit, found });
+        bail!(
+            "distortion_model {model} has {limit} coefficients but distortion_coefficients has {found}: is it rational_polynomial?"
+        );
     }
     Ok(pinhole.with_distortion(known))
 }
 
 /// Returns the camera without distortion, and its coefficients.
-fn parts(fields: &Fields) -> Result<(Camera, Vec<f64>), CameraFault> {
+fn parts(fields: &Fields) -> Result<(Camera, Vec<f64>), Message> {
     let [width, height] = fields.size()?;
     let matrix = fields.numbers(&MATRIX)?.unwrap_or_default();
     let [fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0] = matrix[..] else {
-        return Err(CameraFault::NoCameraMatrix);
+        bail!("camera_matrix must be [fx 0 cx; 0 fy cy; 0 0 1], 3 rows of 3");
     };
     let missing = || fields.refuse("it has no distortion_coefficients: add them, or an empty list for none".into());
     let coefficients = fields.numbers(&COEFFICIENTS)?.ok_or_else(missing)?;
     Ok((Camera::pinhole(width, height, fx, fy, cx, cy), coefficients))
 }
 
-fn fisheye(fields: &Fields) -> Result<Camera, CameraFault> {
+fn fisheye(fields: &Fields) -> Result<Camera, Message> {
     let (pinhole, coefficients) = parts(fields)?;
-    let four = coefficients
-        .try_into()
-        .map_err(|all: Vec<f64>| CameraFault::FisheyeCoefficients(all.len()));
+    let four = coefficients.try_into().map_err(|all: Vec<f64>| {
+        message!(
+            "a fisheye has 4 coefficients, k1 to k4, but distortion_coefficients has {}",
+            all.len()
+        )
+    });
     Ok(pinhole.with_fisheye(four?))
 }
 

@@ -5,7 +5,6 @@ mod chosen;
 mod colmap;
 mod distortion;
 mod error;
-mod fault;
 mod fields;
 mod fisheye;
 mod fit;
@@ -22,7 +21,6 @@ pub mod yaml;
 
 pub use distortion::DistortionModel;
 pub use error::CameraError;
-pub use fault::CameraFault;
 pub use fit::{FittedCamera, SizeError};
 pub use format::CameraFormat;
 pub use guess::GuessError;

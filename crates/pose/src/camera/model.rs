@@ -1,7 +1,7 @@
 //! Intrinsics of a camera.
 
 use super::distortion::{Distortion, DistortionModel};
-use super::fault::CameraFault;
+use scaleproof_core::message::{Message, bail, message};
 
 /// Intrinsics of one camera at one image size. Pixel (0, 0) is the *centre* of the top-left pixel.
 #[derive(Debug, Clone, PartialEq)]
@@ -93,27 +93,32 @@ impl Camera {
     }
 
     /// Returns an error for implausible numbers: a file of something else, or one whose decimal commas became list commas.
-    pub(super) fn check(&self) -> Result<(), CameraFault> {
+    pub(super) fn check(&self) -> Result<(), Message> {
         let &Camera {
             width, height, fx, fy, ..
         } = self;
         if [width, height].iter().any(|side| !(1..=100_000).contains(side)) {
-            return Err(CameraFault::Size { width, height });
+            bail!("the image size {width}×{height} must lie between 1 and 100000 pixels a side");
         }
         let (cx, cy, width, height) = (self.cx, self.cy, f64::from(width), f64::from(height));
         let larger = width.max(height);
         // Focal lengths of a field of view of 169 to 0.6 degrees.
         let (least, most) = (0.05 * larger, 100.0 * larger);
         if [fx, fy].iter().any(|f| !(least..=most).contains(f)) {
-            return Err(CameraFault::Focal { fx, fy, least, most });
+            bail!("the focal lengths fx {fx} and fy {fy} must lie between {least} and {most} px for this image size");
         }
         let is_inside = |c: f64, side: f64| (-side..=2.0 * side).contains(&c);
         if !is_inside(cx, width) || !is_inside(cy, height) {
-            return Err(CameraFault::PrincipalPoint { cx, cy });
+            bail!("the principal point ({cx}, {cy}) lies far outside the image");
         }
         // Long lenses have small radii and large coefficients; this only keeps numbers that overflow away.
         let odd = self.distortion().iter().find(|k| !k.is_finite() || k.abs() > 1e9);
-        odd.map_or(Ok(()), |k| Err(CameraFault::Coefficient(*k)))
+        odd.map_or(Ok(()), |k| {
+            Err(message!(
+                "the distortion coefficient {} is no finite number below 1e9",
+                *k
+            ))
+        })
     }
 
     /// Returns the horizontal and vertical field of view in degrees, without distortion: as a pinhole, or as the ideal equidistant fisheye.

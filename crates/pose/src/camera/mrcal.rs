@@ -5,7 +5,8 @@
 
 use serde::Deserialize;
 
-use super::{Camera, CameraFault, yaml};
+use super::{Camera, yaml};
+use scaleproof_core::message::{Message, bail};
 
 /// Required keys of the file; extrinsics and calibration inputs are ignored.
 #[derive(Deserialize)]
@@ -32,18 +33,21 @@ pub(super) fn is(text: &str) -> bool {
     starts.next().is_some_and(|line| line.starts_with('{')) && lines.clone().any(|line| line.contains("lensmodel"))
 }
 
-pub(super) fn read(text: &str) -> Result<Camera, CameraFault> {
+pub(super) fn read(text: &str) -> Result<Camera, Message> {
     let file: MrcalFile = yaml::parse(&without_bytes(text), "an mrcal cameramodel")?;
     let Some((model, count)) = MODELS.iter().find(|(name, _)| *name == file.lensmodel) else {
-        return Err(CameraFault::MrcalModel(file.lensmodel));
+        bail!(
+            "{} is not supported: convert it to LENSMODEL_OPENCV8 with mrcal-convert-lensmodel",
+            file.lensmodel
+        );
     };
     let (&[fx, fy, cx, cy, ref coefficients @ ..], true) = (&file.intrinsics[..], file.intrinsics.len() == 4 + count)
     else {
-        return Err(CameraFault::MrcalNumbers {
-            model,
-            count: 4 + count,
-            found: file.intrinsics.len(),
-        });
+        bail!(
+            "{model} has {count} intrinsics, the file has {found}",
+            count = 4 + count,
+            found = file.intrinsics.len()
+        );
     };
     let [width, height] = file.imagersize;
     Ok(Camera::pinhole(width, height, fx, fy, cx, cy).with_distortion(coefficients))
@@ -68,9 +72,9 @@ fn without_bytes(text: &str) -> String {
     plain + rest
 }
 
-pub(super) fn write(camera: &Camera) -> Result<String, CameraFault> {
+pub(super) fn write(camera: &Camera) -> Result<String, Message> {
     if camera.is_fisheye() {
-        return Err(CameraFault::Fisheye);
+        bail!("its models cannot hold a fisheye lens: write opencv, ros or kalibr");
     }
     let coefficients = camera.needed_coefficients(&[0, 4, 5, 8]);
     let model = MODELS.iter().find(|(_, count)| *count == coefficients.len());

@@ -3,14 +3,15 @@
 //! Sources: instant-ngp, `scripts/colmap2nerf.py`; nerfstudio documentation, "Data conventions". Their pixels count from the corner of the
 //! first one, half a pixel before its centre.
 
+use super::Camera;
 use super::fields::Fields;
-use super::{Camera, CameraFault};
+use scaleproof_core::message::Message;
 
 pub(super) fn is(fields: &Fields) -> bool {
     fields.has("fl_x") || fields.has("camera_angle_x") || (fields.has("frames") && fields.has("camera_model"))
 }
 
-pub(super) fn read(fields: Fields) -> Result<Camera, CameraFault> {
+pub(super) fn read(fields: Fields) -> Result<Camera, Message> {
     let fields = fields.called("a transforms.json");
     let [width, height] = fields.size()?;
     let number = |name: &str| fields.number(&[name]);
@@ -30,7 +31,7 @@ pub(super) fn read(fields: Fields) -> Result<Camera, CameraFault> {
         number("cx")?.unwrap_or(sides[0] / 2.0) - 0.5,
         number("cy")?.unwrap_or(sides[1] / 2.0) - 0.5,
     ];
-    let coefficient = |name: &str| Ok::<f64, CameraFault>(number(name)?.unwrap_or(0.0));
+    let coefficient = |name: &str| Ok::<f64, Message>(number(name)?.unwrap_or(0.0));
     let [k1, k2, k3, k4] = [
         coefficient("k1")?,
         coefficient("k2")?,

@@ -5,16 +5,14 @@ use std::collections::BTreeMap;
 use roxmltree::{Document, Node};
 
 use super::fields::{Fields, Value};
-use super::{Camera, CameraFault, matrix_yaml};
+use super::{Camera, matrix_yaml};
+use scaleproof_core::message::{Message, bail, message};
 
 /// FileStorage gives an element one attribute or two. The parser compares all of an element with each other.
 const MOST_ATTRIBUTES: usize = 1000;
 
-pub(super) fn read(text: &str) -> Result<Camera, CameraFault> {
-    let syntax = |reason: String| CameraFault::Syntax {
-        what: "an XML camera file",
-        reason,
-    };
+pub(super) fn read(text: &str) -> Result<Camera, Message> {
+    let syntax = |reason: String| message!("not {what}: {reason}", what = "an XML camera file");
     // Within an element's tag there is no other `<`.
     let attributes = text
         .split('<')
@@ -29,7 +27,9 @@ pub(super) fn read(text: &str) -> Result<Camera, CameraFault> {
     let document = Document::parse(text).map_err(|e| syntax(e.to_string()))?;
     let root = document.root_element();
     if !root.has_tag_name("opencv_storage") {
-        return Err(CameraFault::UnknownFormat);
+        bail!(
+            "not a camera file: give one of OpenCV, ROS, Kalibr, EuRoC, mrcal, COLMAP (cameras.txt) or a NeRF program (transforms.json)"
+        );
     }
     matrix_yaml::read(Fields::new("", children(root)))
 }

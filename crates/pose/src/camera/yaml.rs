@@ -4,7 +4,8 @@
 use serde::de::DeserializeOwned;
 use serde_saphyr::NonFiniteFloatPolicy;
 
-use super::{Camera, CameraFault, Guess};
+use super::{Camera, Guess};
+use scaleproof_core::message::{Message, message};
 
 const GUESS: &str = "# scaleproof: focal length guessed from EXIF, within percent: ";
 const SIGMA: &str = "# scaleproof: standard deviations of fx, fy, cx, cy in px: ";
@@ -14,7 +15,7 @@ const TAGS: [&str; 3] = ["!!opencv-nd-matrix", "!!opencv-matrix", "!!python/tupl
 
 /// Parses YAML; the reason of a refusal is one line. OpenCV's `%YAML:1.0`, which is not a YAML directive, and [`TAGS`] are skipped. Of several
 /// documents, as ROS prints its messages, the first is read.
-pub(super) fn parse<T: DeserializeOwned>(text: &str, what: &'static str) -> Result<T, CameraFault> {
+pub(super) fn parse<T: DeserializeOwned>(text: &str, what: &'static str) -> Result<T, Message> {
     let body = match text.split_once('\n') {
         Some((first, rest)) if first.starts_with("%YAML") => rest,
         _ => text,
@@ -30,10 +31,7 @@ pub(super) fn parse<T: DeserializeOwned>(text: &str, what: &'static str) -> Resu
         let line = reason.lines().next().unwrap_or_default();
         let behind_place = line.split_once("column ").map(|(_, rest)| rest);
         let reason = behind_place.map_or(line, |rest| rest.split_once(": ").map_or(rest, |(_, what)| what));
-        CameraFault::Syntax {
-            what,
-            reason: reason.to_owned(),
-        }
+        message!("not {what}: {reason}")
     })
 }
 
@@ -78,7 +76,7 @@ pub(super) fn write_marks(camera: &Camera) -> String {
 
 /// Returns the camera with the values from its file's comments. Returns an error for a comment with an invalid number: without it a guess would pass
 /// for a calibration.
-pub(super) fn read_marks(text: &str, camera: Camera) -> Result<Camera, CameraFault> {
+pub(super) fn read_marks(text: &str, camera: Camera) -> Result<Camera, Message> {
     let guess = marked::<1>(text, GUESS)?.map(|[focal_percent]| Guess { focal_percent });
     Ok(Camera {
         guess,
@@ -87,7 +85,7 @@ pub(super) fn read_marks(text: &str, camera: Camera) -> Result<Camera, CameraFau
     })
 }
 
-fn marked<const N: usize>(text: &str, mark: &'static str) -> Result<Option<[f64; N]>, CameraFault> {
+fn marked<const N: usize>(text: &str, mark: &'static str) -> Result<Option<[f64; N]>, Message> {
     let Some(list) = text.lines().find_map(|line| line.trim().strip_prefix(mark.trim_end())) else {
         return Ok(None);
     };
@@ -96,5 +94,8 @@ fn marked<const N: usize>(text: &str, mark: &'static str) -> Result<Option<[f64;
         .filter(|numbers| numbers.iter().all(|v| v.is_finite() && *v >= 0.0))
         .and_then(|numbers| numbers.try_into().ok())
         .map(Some)
-        .ok_or(CameraFault::Comment { mark, count: N })
+        .ok_or(message!(
+            "the comment “{mark}…” must be followed by {count} number(s) not below 0",
+            count = N
+        ))
 }

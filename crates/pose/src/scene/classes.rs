@@ -3,6 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use scaleproof_core::message::{Message, bail, message};
 use serde::{Deserialize, Serialize};
 
 /// Maximum number of labels and of their characters; longer lists were written by a program.
@@ -24,19 +25,6 @@ enum Written {
     Several(Vec<String>),
 }
 
-/// Reason why labels are not valid classes.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum ClassError {
-    #[error("the class is an empty list: name the labels that count as the model, as in [\"car\"]")]
-    Empty,
-    #[error("the class lists {0} labels: name at most {MOST}")]
-    TooMany(usize),
-    #[error("the class {0:?} is no label: give 1 to {LONGEST} characters without line breaks")]
-    NoLabel(String),
-    #[error("the class lists `{0}` twice: name each label once")]
-    Twice(String),
-}
-
 /// The labels of road vehicles.
 pub const VEHICLES: [&str; 3] = ["car", "truck", "bus"];
 
@@ -48,19 +36,25 @@ impl Classes {
 
     /// # Errors
     /// An empty list, a label that is listed twice, empty, too long or of characters that nobody reads.
-    pub fn new(mut labels: Vec<String>) -> Result<Classes, ClassError> {
+    pub fn new(mut labels: Vec<String>) -> Result<Classes, Message> {
         if labels.is_empty() {
-            return Err(ClassError::Empty);
+            bail!("the class is an empty list: name the labels that count as the model, as in [\"car\"]");
         }
         if labels.len() > MOST {
-            return Err(ClassError::TooMany(labels.len()));
+            bail!("the class lists {} labels: name at most {MOST}", labels.len());
         }
         if let Some(odd) = labels.iter().find(|label| !is_readable(label)) {
-            return Err(ClassError::NoLabel(odd.chars().take(LONGEST).collect()));
+            bail!(
+                "the class {:?} is no label: give 1 to {LONGEST} characters without line breaks",
+                odd.chars().take(LONGEST).collect::<String>()
+            );
         }
         labels.sort();
         match labels.windows(2).find(|pair| pair[0] == pair[1]) {
-            Some(pair) => Err(ClassError::Twice(pair[0].clone())),
+            Some(pair) => Err(message!(
+                "the class lists `{}` twice: name each label once",
+                pair[0].clone()
+            )),
             None => Ok(Classes(labels)),
         }
     }
@@ -112,17 +106,17 @@ impl fmt::Display for Classes {
 
 /// Parses a list separated by commas, as given to a command's option.
 impl FromStr for Classes {
-    type Err = ClassError;
+    type Err = Message;
 
-    fn from_str(text: &str) -> Result<Classes, ClassError> {
+    fn from_str(text: &str) -> Result<Classes, Message> {
         Classes::new(text.split(',').map(|label| label.trim().to_owned()).collect())
     }
 }
 
 impl TryFrom<Written> for Classes {
-    type Error = ClassError;
+    type Error = Message;
 
-    fn try_from(written: Written) -> Result<Classes, ClassError> {
+    fn try_from(written: Written) -> Result<Classes, Message> {
         match written {
             Written::One(label) => Classes::new(vec![label]),
             Written::Several(labels) => Classes::new(labels),

@@ -4,9 +4,9 @@
 mod bins;
 mod classes;
 mod envelope;
-mod fault;
 mod file;
 mod layout;
+mod limits;
 mod model;
 mod ring;
 mod tag;
@@ -17,7 +17,6 @@ mod write;
 pub use bins::{Bin, Bins};
 pub use classes::{Classes, VEHICLES};
 pub use envelope::Envelope;
-pub use fault::SceneFault;
 pub use layout::Scene;
 pub use model::{MeshFacts, Paint, ScaleModel};
 pub use ring::TagRing;

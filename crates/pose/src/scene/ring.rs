@@ -3,8 +3,9 @@
 use nalgebra::{Point3, Vector3};
 
 use super::file::{check_tag_count, checked_bins, checked_scale};
-use super::{Bins, ScaleModel, Scene, SceneFault, Tag, TagFamily};
-use scaleproof_core::geometry::length::{BadLength, shown, size_mm};
+use super::{Bins, ScaleModel, Scene, Tag, TagFamily};
+use scaleproof_core::geometry::length::{shown, size_mm};
+use scaleproof_core::message::{Message, bail, message};
 
 /// Margin between a tag's white ring and the ground or the ridge of its card.
 const CARD_MARGIN_MM: f64 = 2.0;
@@ -33,37 +34,10 @@ pub struct TagRing {
     pub tilt_deg: f64,
 }
 
-/// Reason why there is no such ring.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum RingError {
-    #[error(transparent)]
-    Length(#[from] BadLength),
-    /// A fault that a scene file may not have either.
-    #[error(transparent)]
-    Scene(#[from] SceneFault),
-    #[error("faces at {tilt_deg}° do not make a card that stands; give 30 to 75", tilt_deg = shown(*tilt_deg))]
-    Tilt { tilt_deg: f64 },
-    #[error(
-        "a ring of {count} has {needed} tags and the family has {ids}; give {FEWEST} to {most}, or a larger family"
-    )]
-    Count {
-        count: u32,
-        needed: u64,
-        ids: u32,
-        most: u32,
-    },
-    #[error("a radius of {radius_mm} mm is too small: {reason} at least {least_mm:.0} mm")]
-    TooTight {
-        radius_mm: f64,
-        reason: &'static str,
-        least_mm: f64,
-    },
-}
-
 impl TagRing {
     /// Lays the ring out. Ids: the flat tags from 0, counter-clockwise from the first after the front; then two for each tent
     /// card, the outer face first.
-    pub fn scene(&self) -> Result<Scene, RingError> {
+    pub fn scene(&self) -> Result<Scene, Message> {
         self.check()?;
         let bins = checked_bins(self.bins.clone())?;
         let step_deg = 360.0 / f64::from(self.count);
@@ -83,7 +57,7 @@ impl TagRing {
         })
     }
 
-    fn check(&self) -> Result<(), RingError> {
+    fn check(&self) -> Result<(), Message> {
         let [length, width, height] = self.model.size_mm;
         size_mm("radius", self.radius_mm)?;
         size_mm("tag size", self.tag_mm)?;
@@ -93,23 +67,25 @@ impl TagRing {
         checked_scale(self.model.scale)?;
         let tilt_deg = self.tilt_deg;
         if !TILT_DEG.contains(&tilt_deg) {
-            return Err(RingError::Tilt { tilt_deg });
+            bail!(
+                "faces at {}° do not make a card that stands; give 30 to 75",
+                shown(tilt_deg)
+            );
         }
         let (ids, needed) = (self.family.count(), 3 * u64::from(self.count));
         if self.count < FEWEST || needed > u64::from(ids) {
-            return Err(RingError::Count {
-                count: self.count,
-                needed,
-                ids,
-                most: ids / 3,
-            });
+            bail!(
+                "a ring of {count} has {needed} tags and the family has {ids}; give {FEWEST} to {most}, or a larger family",
+                count = self.count,
+                most = ids / 3
+            );
         }
         check_tag_count(needed)?;
         self.check_room(length.hypot(width) / 2.0)
     }
 
     /// Returns an error if cards could overlap in any orientation.
-    fn check_room(&self, model_mm: f64) -> Result<(), RingError> {
+    fn check_room(&self, model_mm: f64) -> Result<(), Message> {
         let flat_mm = self.with_white_mm() / 2.0 * std::f64::consts::SQRT_2;
         let tent_mm = self.card_reach_mm();
         let neighbours = (90.0 / f64::from(self.count)).to_radians().sin();
@@ -122,11 +98,11 @@ impl TagRing {
         if self.radius_mm >= least_mm {
             return Ok(());
         }
-        Err(RingError::TooTight {
-            radius_mm: self.radius_mm,
-            reason,
-            least_mm: least_mm.ceil(),
-        })
+        Err(message!(
+            "a radius of {radius_mm} mm is too small: {reason} at least {least_mm:.0} mm",
+            radius_mm = self.radius_mm,
+            least_mm = least_mm.ceil()
+        ))
     }
 
     fn with_white_mm(&self) -> f64 {

@@ -9,6 +9,7 @@ use super::TagDetector;
 use super::fit::WithFittedCorners;
 use super::search::Search;
 use crate::scene::TagFamily;
+use scaleproof_core::message::{Message, message};
 use scaleproof_core::spelling;
 
 /// A tag detector that can be chosen.
@@ -37,32 +38,9 @@ pub enum CornersBy {
 }
 
 /// Reason why a tag detector could not start.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum StartError {
-    #[error(
-        "the tag detector '{name}' is not known; use one of {}{}",
-        names(TagDetectorChoice::ALL.iter()),
-        spelling::hint(name, TagDetectorChoice::ALL.iter().map(|choice| choice.name()))
-    )]
-    Unknown { name: String },
-    #[error(
-        "the tag detector {detector} cannot read tags of the family {}: use one of {}",
-        family.name(),
-        names(TagDetectorChoice::ALL.iter().filter(|d| d.reads(*family)))
-    )]
-    Family {
-        detector: TagDetectorChoice,
-        family: TagFamily,
-    },
-    #[error("this build of scaleproof has no tag detector {detector}: it was built without the feature `full`")]
-    NotBuilt { detector: TagDetectorChoice },
-    #[error("the tag detector {detector} could not start: {reason}")]
-    Library {
-        detector: TagDetectorChoice,
-        reason: String,
-    },
-}
+#[derive(Debug, thiserror::Error)]
+#[error(transparent)]
+pub struct StartError(#[from] Message);
 
 impl TagDetectorChoice {
     /// Detectors that can be chosen by name, the default first; their corners are all fitted alike.
@@ -106,10 +84,11 @@ impl TagDetectorChoice {
     pub(super) fn check_families(self, families: &[TagFamily]) -> Result<(), StartError> {
         match families.iter().find(|family| !self.reads(**family)) {
             None => Ok(()),
-            Some(family) => Err(StartError::Family {
-                detector: self,
-                family: *family,
-            }),
+            Some(family) => Err(StartError(message!(
+                "the tag detector {self} cannot read tags of the family {}: use one of {}",
+                family.name(),
+                names(TagDetectorChoice::ALL.iter().filter(|d| d.reads(*family)))
+            ))),
         }
     }
 
@@ -121,10 +100,9 @@ impl TagDetectorChoice {
     ) -> Result<Vec<(TagFamily, D)>, StartError> {
         self.check_families(families)?;
         let started = families.iter().map(|family| Ok((*family, start(*family)?)));
-        started.collect::<Result<_, E>>().map_err(|reason| StartError::Library {
-            detector: self,
-            reason: reason.to_string(),
-        })
+        started
+            .collect::<Result<_, E>>()
+            .map_err(|reason| StartError(message!("the tag detector {self} could not start: {reason}")))
     }
 }
 
@@ -148,7 +126,13 @@ impl FromStr for TagDetectorChoice {
 
     fn from_str(name: &str) -> Result<Self, StartError> {
         let known = TagDetectorChoice::ALL.into_iter().find(|choice| choice.name() == name);
-        known.ok_or_else(|| StartError::Unknown { name: name.to_owned() })
+        known.ok_or_else(|| {
+            StartError(message!(
+                "the tag detector '{name}' is not known; use one of {}{}",
+                names(TagDetectorChoice::ALL.iter()),
+                spelling::hint(name, TagDetectorChoice::ALL.iter().map(|choice| choice.name()))
+            ))
+        })
     }
 }
 

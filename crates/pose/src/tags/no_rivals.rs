@@ -3,6 +3,7 @@
 use super::search::{Search, Strength};
 use super::{StartError, TagDetector, TagDetectorChoice};
 use crate::scene::TagFamily;
+use scaleproof_core::message::bail;
 
 /// Returns the version of OpenCV at run time: none in this build.
 pub fn opencv_version() -> Option<String> {
@@ -21,5 +22,8 @@ pub(super) fn finders(_: Strength, _: &[TagFamily]) -> Result<Vec<Box<dyn Search
 
 /// Returns an error: this build does not have the detector.
 pub(super) fn open(detector: TagDetectorChoice, _: &[TagFamily]) -> Result<Box<dyn TagDetector>, StartError> {
-    Err(StartError::NotBuilt { detector })
+    bail!(
+        "this build of scaleproof has no tag detector {detector}: it was built without the feature `full`";
+        hint: "leave ‹tag_detector› out"
+    )
 }

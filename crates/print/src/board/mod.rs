@@ -10,8 +10,8 @@ use super::media::Media;
 use super::sheet::{Mark, PointMm, RectMm, Sheet};
 use super::template::making;
 use scaleproof_core::geometry::length::{self, BadLength};
+use scaleproof_core::message::Message;
 use scaleproof_plot::lettering::size;
-use scaleproof_pose::board::DefinitionError;
 use scaleproof_pose::scene::TagFamily;
 use scaleproof_pose::tags::{DictionaryError, MarkerDictionary, Modules};
 
@@ -21,7 +21,7 @@ const MIN_MODULE_MM: f64 = 0.2;
 const QUIET_MM: f64 = 1.0;
 
 /// Reason why no board was printed.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 pub enum BoardError {
     #[error(transparent)]
     Sheet(#[from] SheetError),
@@ -52,7 +52,7 @@ pub enum BoardError {
     #[error("the board is {board_mm} mm and the paper has {free_mm} mm for it; use larger paper or smaller squares")]
     TooLarge { board_mm: String, free_mm: String },
     #[error(transparent)]
-    Definition(#[from] DefinitionError),
+    Definition(#[from] Message),
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
