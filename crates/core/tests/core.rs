@@ -16,6 +16,8 @@ mod flips;
 mod homography;
 #[path = "core/hull.rs"]
 mod hull;
+#[path = "core/journal.rs"]
+mod journal;
 #[path = "core/least_squares.rs"]
 mod least_squares;
 #[path = "core/length.rs"]
