@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::gates::Measures;
-use super::live::CameraSettings;
+use super::source::CameraSettings;
 use scaleproof_core::files::{self, FileError};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::Sigma;

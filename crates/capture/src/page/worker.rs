@@ -12,11 +12,11 @@ use serde::{Deserialize, Serialize};
 use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
 
 use super::dial::DialRings;
+use super::error::PageError;
 use super::state::{self, CaptureInfo, FilmedView, PageState, PairsSoFar, ShownFrame};
-use super::{PageError, ground, upload};
-use crate::{
-    CameraSettings, Capture, FrameAnswer, FrameSource, Guidance, SourceError, SourceFrame, StoreError, Taking,
-};
+use super::{ground, upload};
+use crate::capture::Taking;
+use crate::{CameraSettings, Capture, FrameAnswer, FrameSource, Guidance, SourceError, SourceFrame, StoreError};
 use scaleproof_pose::scene::{Bin, Scene};
 
 /// What comes to the worker.

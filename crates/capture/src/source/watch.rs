@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
-use super::source::{FrameSource, Original, SourceError, SourceFrame};
+use super::error::SourceError;
+use super::frame::{FrameSource, Original, SourceFrame};
 use scaleproof_core::files;
 use scaleproof_photo::{Budget, Photo};
 

@@ -8,7 +8,8 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;
 
-use super::source::{FrameSource, Original, SourceError, SourceFrame};
+use super::error::SourceError;
+use super::frame::{FrameSource, Original, SourceFrame};
 use scaleproof_core::files;
 use scaleproof_session::{PhotoEntry, Session};
 

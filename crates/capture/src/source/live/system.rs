@@ -10,7 +10,10 @@ use nokhwa::utils::{
     RequestedFormatType,
 };
 
-use super::{CameraSettings, Device, LiveCameraError, PixelFormat, RawImage, Setting};
+use super::device::Device;
+use super::error::LiveCameraError;
+use super::pixels::{PixelFormat, RawImage};
+use super::settings::{CameraSettings, Setting};
 use scaleproof_pose::camera::Camera;
 
 /// A camera that the system knows.

@@ -1,26 +1,16 @@
 //! A running camera: a thread reads it without pause and keeps the newest image only, so that advice is never about the past.
 
-mod device;
-mod error;
-mod jpegs;
-mod pixels;
-mod settings;
-
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::source::{FrameSource, Original, SourceError, SourceFrame};
+use super::device::Device;
+use super::error::LiveCameraError;
+use super::pixels::RawImage;
+use super::settings::CameraSettings;
+use super::system;
+use crate::source::{FrameSource, Original, SourceError, SourceFrame};
 use scaleproof_pose::camera::Camera;
-
-pub use device::{choose_format, list_cameras};
-pub use error::LiveCameraError;
-pub use jpegs::Jpegs;
-pub use pixels::{PixelFormat, RawImage, jpeg_size};
-pub use settings::{CameraSettings, Setting};
-
-/// Exposure, focus and white balance find their values within this time; they are then held, and frames are given from then on.
-const SETTLING: Duration = Duration::from_millis(1500);
 
 /// A camera that gives nothing for so long is gone.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -32,23 +22,6 @@ const OPENING: Duration = Duration::from_secs(if cfg!(target_os = "macos") { 75 
 /// A single image may fail; so many in a row, this far apart, mean that the camera is gone.
 const MAX_FAILURES: u32 = 10;
 const AFTER_FAILURE: Duration = Duration::from_millis(100);
-
-/// What a camera must be able to do. It stays on the thread that opened it.
-pub trait Device {
-    /// The next image, waited for.
-    ///
-    /// # Errors
-    /// Why there is none. [`LiveCameraError::Waiting`] is told to the photographer and asked again, without end; of any other, ten in a row end it.
-    fn image(&mut self) -> Result<RawImage, LiveCameraError>;
-
-    /// Holds exposure, focus and white balance where they are now, as far as the camera lets one.
-    fn lock(&mut self) -> CameraSettings;
-
-    /// The time after which exposure, focus and white balance have found their values; no image is given before.
-    fn settling(&self) -> Duration {
-        SETTLING
-    }
-}
 
 /// What messages call a running camera.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -116,7 +89,7 @@ impl LiveCamera {
     /// No such camera, one that is in use or may not be used, or that has no image of the camera file's shape.
     pub fn open(number: u32, camera: &Camera) -> Result<LiveCamera, SourceError> {
         let camera = camera.clone();
-        LiveCamera::from_device(number, OPENING, move || device::open(number, &camera))
+        LiveCamera::from_device(number, OPENING, move || system::open(number, &camera))
     }
 
     /// A camera of any make; `open` is called on the thread that reads it, and may take up to `limit`.

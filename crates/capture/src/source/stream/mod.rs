@@ -7,8 +7,8 @@ mod connection;
 
 use std::time::{Duration, Instant};
 
+use super::error::SourceError;
 use super::live::{CameraSettings, Device, LiveCamera, LiveCameraError, LiveName, RawImage, Setting};
-use super::source::SourceError;
 use scaleproof_pose::camera::Camera;
 
 pub use address::{StreamAddress, StreamScheme};
