@@ -7,7 +7,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::{FileError, folder_of};
+use super::error::FileError;
+use super::path::folder_of;
 
 /// Whole paths without links.
 #[derive(Default)]

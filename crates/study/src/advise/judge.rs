@@ -1,6 +1,6 @@
 //! Verdicts on the ways of each step.
 
-use super::AdviseError;
+use super::error::AdviseError;
 use super::held_out::Answer;
 use super::paired::{FEWEST_PHOTOS, MARGIN, Moved, PairedErrors};
 use super::result::{CameraCheck, CameraVerdict, Choice, PoseAdvice, Verdict};

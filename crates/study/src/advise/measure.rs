@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::AdviseError;
+use super::error::AdviseError;
 use super::held_out::{Answer, FoundTags, Sample, answer, find};
 use super::way::Way;
 use scaleproof_pose::camera::{Camera, FittedCamera};
