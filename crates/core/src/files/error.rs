@@ -1,38 +1,21 @@
 //! Errors of files, as sentences.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// A file that could not be read or written, or that holds something else than it should; as a sentence.
+use crate::message::{Message, message};
+
+/// Error of a file that cannot be read or written, or that holds something else than it should.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum FileError {
-    #[error("cannot read {path}: {reason}", path = path.display())]
-    Read { path: PathBuf, reason: String },
-    #[error("cannot write {path}: {reason}", path = path.display())]
-    Write { path: PathBuf, reason: String },
-    #[error("{path}, line {line}: {message}", path = path.display())]
-    Syntax {
-        path: PathBuf,
-        line: usize,
-        message: String,
-    },
-    #[error("{path}: {message}", path = path.display())]
-    Content { path: PathBuf, message: String },
-    #[error("{path} is an input, which would be overwritten; give another output file", path = path.display())]
-    IsInput { path: PathBuf },
-    #[error("two files would be written as {path}; give them different names", path = path.display())]
-    Twice { path: PathBuf },
-}
+#[error(transparent)]
+pub struct FileError(#[from] Message);
 
 impl FileError {
     pub fn content(path: &Path, message: impl ToString) -> FileError {
-        let (path, message) = (path.to_owned(), message.to_string());
-        FileError::Content { path, message }
+        message!("{}: {}", path.display(), message.to_string()).into()
     }
 
     pub fn syntax(path: &Path, line: usize, message: String) -> FileError {
-        let path = path.to_owned();
-        FileError::Syntax { path, line, message }
+        message!("{}, line {line}: {message}", path.display()).into()
     }
 
     pub fn read(path: &Path, e: &std::io::Error) -> FileError {
@@ -43,20 +26,24 @@ impl FileError {
         FileError::cannot_write(path, plain(e))
     }
 
-    /// A file that could not be read, for a reason that is no error of the system.
+    /// Creates the error of a file that could not be read, for a reason that is no error of the system.
     pub fn cannot_read(path: &Path, reason: impl Into<String>) -> FileError {
-        let (path, reason) = (path.to_owned(), reason.into());
-        FileError::Read { path, reason }
+        message!("cannot read {}: {}", path.display(), reason.into()).into()
     }
 
-    /// A file that could not be written, for a reason that is no error of the system.
+    /// Creates the error of a file that could not be written, for a reason that is no error of the system.
     pub fn cannot_write(path: &Path, reason: impl Into<String>) -> FileError {
-        let (path, reason) = (path.to_owned(), reason.into());
-        FileError::Write { path, reason }
+        message!("cannot write {}: {}", path.display(), reason.into()).into()
+    }
+
+    /// Creates the error of an output in the place of an input.
+    pub(super) fn is_input(path: &Path) -> FileError {
+        let path = path.display();
+        message!("{path} is an input, which would be overwritten; give another output file").into()
     }
 }
 
-/// An operating system error without its "(os error 2)".
+/// Returns the text of an operating system's error without its "(os error 2)".
 pub fn plain(error: &std::io::Error) -> String {
     let text = error.to_string();
     text.split(" (os error").next().unwrap_or(&text).to_lowercase()

@@ -7,6 +7,7 @@ use super::judge;
 use super::measure::{Fit, Measured, Opened, measure};
 use super::result::PoseAdvice;
 use super::way::{Question, Way};
+use scaleproof_core::message::bail;
 use scaleproof_core::workers;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::Scene;
@@ -20,7 +21,7 @@ pub fn advise_poses(
     on_photo: impl Fn() + Sync,
 ) -> Result<PoseAdvice, AdviseError> {
     if samples.is_empty() {
-        return Err(AdviseError::NoPhoto);
+        bail!("the session has no photo");
     }
     let families = scene.families();
     let reads = |choice: &TagDetectorChoice| families.iter().all(|family| choice.reads(*family));
@@ -34,7 +35,7 @@ pub fn advise_poses(
     let measured = workers::map(
         samples,
         open,
-        |opened, sample| measure(sample, &ways, opened, (scene, camera)),
+        |opened, sample| Ok(measure(sample, &ways, opened, (scene, camera))?),
         &on_photo,
     )?;
     let answers: Vec<&[Answer]> = measured.iter().map(|photo| photo.answers.as_slice()).collect();
@@ -42,7 +43,7 @@ pub fn advise_poses(
     let disagreeing = fits.iter().filter(|fit| fit.disagrees).count();
     let photos = judged(samples, &ways, &measured);
     let camera_check = camera_check::check(&photos, &fits, (scene, camera));
-    judge::put_together(&ways, &answers, (disagreeing, camera_check))
+    Ok(judge::put_together(&ways, &answers, (disagreeing, camera_check))?)
 }
 
 /// Returns the photos by which the camera file can be judged.
