@@ -21,10 +21,11 @@ use crate::cli::full::interrupt::Opening;
 use crate::cli::{CommandResult, Outcome, Result};
 use scaleproof_capture::page::{CaptureInfo, Page};
 use scaleproof_capture::{
-    BinName, Capture, FrameLine, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceError, SourceName, Store,
+    BinName, Capture, FrameLine, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceName, Store,
     Target, Tolerance, Watch, interrupt_programs, live::list_cameras, pair, stream,
 };
 use scaleproof_core::files;
+use scaleproof_core::message::Message;
 use scaleproof_core::spelling::count;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Bins, Scene, Viewpoint};
@@ -298,10 +299,7 @@ fn open_source(name: &SourceName, args: &GuidedArgs, camera: &Camera) -> Result<
     match name {
         SourceName::Replay(folder) => {
             let pace = args.fps.unwrap_or_default();
-            let replay = Replay::open(folder, &args.variant, args.shuffle, pace).map_err(|e| match e {
-                SourceError::NoSuchVariant { .. } => format!("{e} with --variant"),
-                e => e.to_string(),
-            })?;
+            let replay = Replay::open(folder, &args.variant, args.shuffle, pace)?;
             Ok(Some(Box::new(replay)))
         }
         _ if args.shuffle.is_some() || args.fps.is_some() => {
@@ -494,10 +492,7 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 fn source(text: &str) -> Result<SourceName, String> {
-    text.parse().map_err(|error| match error {
-        SourceError::Unknown { .. } => format!("{error} (--page)"),
-        error => error.to_string(),
-    })
+    text.parse().map_err(|error: Message| format!("{error} (--page)"))
 }
 
 fn pace(text: &str) -> Result<Duration, String> {

@@ -3,23 +3,20 @@
 use std::io;
 
 use crate::{SourceError, StoreError};
+use scaleproof_core::message::{Hint, Message};
 
 /// What keeps the page, or the capture behind it, from going on.
 #[derive(Debug, thiserror::Error)]
 pub enum PageError {
-    #[error("the port {port} cannot be opened ({reason})")]
-    Port { port: u16, reason: String },
-    #[error("the page cannot be served ({reason})")]
-    Server { reason: String },
     #[error("this machine is in no network that a phone could reach")]
-    NoNetwork,
+    NoNetwork(#[source] Hint),
     #[error(transparent)]
     Store(#[from] StoreError),
     #[error(transparent)]
     Source(#[from] SourceError),
-    /// What keeps the pairs from being looked at.
-    #[error("{0}")]
-    Pairs(String),
+    #[error(transparent)]
+    Message(#[from] Message),
+    /// The terminal's output cannot be written.
     #[error(transparent)]
     Output(io::Error),
 }

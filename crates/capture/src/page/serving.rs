@@ -20,6 +20,7 @@ use super::tls;
 use super::worker::{AskPairs, CaptureNotice, CaptureWorker, Published, WorkerEvent};
 use crate::{Capture, FrameSource};
 use scaleproof_core::files;
+use scaleproof_core::message::{Hint, message};
 use scaleproof_pose::scene::Scene;
 
 /// A page that is being served.
@@ -56,17 +57,18 @@ impl Page {
         session: &Path,
         hurry: impl FnOnce() + Send + 'static,
     ) -> Result<Page, PageError> {
-        let unserved = |reason: String| PageError::Server { reason };
+        let unserved = |reason: String| message!("the page cannot be served ({reason})").hint("capture without ‹page›");
         let not_served = |e: io::Error| unserved(files::plain(&e));
-        let network = lan.then(|| own_address().ok_or(PageError::NoNetwork)).transpose()?;
+        let network = lan
+            .then(|| own_address().ok_or_else(|| PageError::NoNetwork(Hint::new("join one, or leave ‹lan› out"))))
+            .transpose()?;
         let from = if lan {
             Ipv4Addr::UNSPECIFIED
         } else {
             Ipv4Addr::LOCALHOST
         };
         let listener = server::listen(from, port).map_err(|e| {
-            let reason = files::plain(&e);
-            PageError::Port { port, reason }
+            message!("the port {port} cannot be opened ({})", files::plain(&e)).hint("name another by ‹port›")
         })?;
         let port = listener.local_addr().map_err(not_served)?.port();
         let here = format!("http://{}:{port}/", Ipv4Addr::LOCALHOST);

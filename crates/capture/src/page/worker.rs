@@ -17,6 +17,7 @@ use super::state::{self, CaptureInfo, FilmedView, PageState, PairsSoFar, ShownFr
 use super::{ground, upload};
 use crate::capture::Taking;
 use crate::{CameraSettings, Capture, FrameAnswer, FrameSource, Guidance, SourceError, SourceFrame, StoreError};
+use scaleproof_core::message::Message;
 use scaleproof_pose::scene::{Bin, Scene};
 
 /// What comes to the worker.
@@ -402,7 +403,7 @@ impl<'a> CaptureWorker<'a> {
     /// Looks at the pairs that are there now.
     fn ask_pairs(&mut self) -> Result<(), PageError> {
         if let Some(ask) = self.ask {
-            self.pairs = Some(ask(self.capture.guidance()).map_err(PageError::Pairs)?);
+            self.pairs = Some(ask(self.capture.guidance()).map_err(Message::new)?);
         }
         Ok(())
     }

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use super::error::SourceError;
 use super::stream::StreamAddress;
+use scaleproof_core::message::{Message, message};
 
 /// A source as it is named on the command line.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -22,10 +22,15 @@ pub enum SourceName {
 }
 
 impl FromStr for SourceName {
-    type Err = SourceError;
+    type Err = Message;
 
-    fn from_str(text: &str) -> Result<SourceName, SourceError> {
-        let unknown = || SourceError::Unknown { text: text.to_owned() };
+    fn from_str(text: &str) -> Result<SourceName, Message> {
+        let unknown = || {
+            message!(
+                "the source '{text}' is not known: use camera or camera:N, http://… or rtsp://… for one that streams, watch:DIR for a folder \
+                 that photos arrive in, replay:DIR for a stored session, or upload for what browsers send to the page"
+            )
+        };
         // Any address is a stream's, so that one that is not read is refused without its password.
         if StreamAddress::looks_like(text) {
             return Ok(SourceName::Stream(StreamAddress::new(text)));
