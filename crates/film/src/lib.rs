@@ -6,7 +6,7 @@
 //! - [`hold`]: those that may be chosen, held while the film is looked at;
 //! - [`pairs`]: the viewpoints that frames are to be pairs of;
 //! - [`keep`]: chosen frames in their colours, located once more the one way, and written;
-//! - [`walk`]: all of this for one video; [`cause`]: why its frames have no pose;
+//! - [`walk`]: all of this for one video, and [`session`] from its file to the session on disk; [`cause`]: why its frames have no pose;
 //! - [`coverage`] and [`sheet`]: what was seen, chosen and refused, as pictures.
 
 pub mod cause;
@@ -17,5 +17,6 @@ pub mod keep;
 pub mod look;
 pub mod motion;
 pub mod pairs;
+pub mod session;
 pub mod sheet;
 pub mod walk;
