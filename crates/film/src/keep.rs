@@ -44,6 +44,15 @@ pub enum KeepError {
     Interrupted,
 }
 
+/// Photos that are made of frames: their texture, place and format.
+#[derive(Debug, Clone, Copy)]
+pub struct PhotosOf<'a> {
+    pub variant: &'a str,
+    pub place: &'a str,
+    /// PNG instead of JPEG.
+    pub png: bool,
+}
+
 /// Sources that the photos are made of.
 pub struct Keeper<'a> {
     pub video: &'a Video,
@@ -56,10 +65,7 @@ pub struct Keeper<'a> {
     pub detector: TagDetectorChoice,
     /// As frames were chosen by.
     pub most_blur_px: f64,
-    pub variant: &'a str,
-    pub place: &'a str,
-    /// PNG instead of JPEG.
-    pub png: bool,
+    pub photos: PhotosOf<'a>,
     /// Frames that need not be decoded again.
     pub held: &'a Held,
     /// The viewpoints that frames were chosen for, where they were.
@@ -143,11 +149,11 @@ impl Keeper<'_> {
         folder: &Path,
         looks: &[Look],
         choose: impl Fn(&BTreeSet<usize>) -> Vec<Chosen>,
-        goes_on: impl Fn() -> bool,
+        mut goes_on: impl FnMut() -> bool,
     ) -> Result<Vec<Kept>, KeepError> {
         let mut outcome = Ok(Vec::new());
         let made = files::make_folder(folder, |inside| {
-            outcome = self.fill(inside, looks, &choose, &goes_on);
+            outcome = self.fill(inside, looks, &choose, &mut goes_on);
             let is_some = outcome.as_ref().is_ok_and(|kept| !kept.is_empty());
             is_some
                 .then_some(())
@@ -164,7 +170,7 @@ impl Keeper<'_> {
         folder: &Path,
         looks: &[Look],
         choose: &impl Fn(&BTreeSet<usize>) -> Vec<Chosen>,
-        goes_on: &impl Fn() -> bool,
+        goes_on: &mut impl FnMut() -> bool,
     ) -> Result<Vec<Kept>, KeepError> {
         let mut judge = Judge::new(self.scene, self.detector, false)?;
         let (mut unfit, mut kept) = (BTreeSet::new(), BTreeMap::<usize, Kept>::new());
@@ -249,11 +255,11 @@ impl Keeper<'_> {
         judge: &mut Judge,
     ) -> Result<Option<Kept>, KeepError> {
         let turned_deg = self.video.turned_deg;
-        let (bytes, ending) = match self.png {
+        let (bytes, ending) = match self.photos.png {
             true => (photo::sensor_png(&frame.image, turned_deg), "png"),
             false => (photo::sensor_jpeg(&frame.image, turned_deg, QUALITY), "jpg"),
         };
-        let file = format!("{}_{:06}.{ending}", slug(self.variant), frame.number);
+        let file = format!("{}_{:06}.{ending}", slug(self.photos.variant), frame.number);
         let path = folder.join(&file);
         let no_image = || FileError::cannot_write(&path, "a frame of this size makes no image file");
         let photo = Photo::from_bytes(Path::new(&file), bytes.ok_or_else(no_image)?, Budget::FILE)?;
@@ -317,8 +323,8 @@ impl Keeper<'_> {
         Sidecar {
             photo: PhotoEntry {
                 file: kept.file.clone(),
-                variant: self.variant.to_owned(),
-                place: Some(self.place.to_owned()),
+                variant: self.photos.variant.to_owned(),
+                place: Some(self.photos.place.to_owned()),
                 frame: Some(kept.frame.clone()),
                 ..PhotoEntry::default()
             },

@@ -8,5 +8,6 @@ pub mod keep; // chosen frames in their colours, located once more the one way, 
 pub mod look; // pose and sharpness of each frame, tracked from frame to frame
 pub mod motion; // share of the camera's motion in σ of a viewpoint
 pub mod pairs; // viewpoints of another texture's photos, as targets
+pub mod session; // from a video's file to the session on disk
 pub mod sheet; // contact sheet of the chosen frames
-pub mod walk; // all of this for one video
+pub mod walk; // frames looked at, chosen and kept

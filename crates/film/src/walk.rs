@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::choose::{Chosen, Wish};
 use crate::hold::Held;
-use crate::keep::{KeepError, Keeper, Kept};
+use crate::keep::{KeepError, Keeper, Kept, PhotosOf};
 use crate::look::{Look, Looker, Unplaced};
 use crate::motion;
 use crate::pairs::Wanted;
@@ -150,19 +150,19 @@ impl Walk {
         }
     }
 
-    /// Writes what [`Walk::choose`] chooses into a new folder, as photos of a texture at a place; as PNG instead of JPEG, where wanted. Frames that are not held are
-    /// decoded again. `goes_on` is asked after each frame.
+    /// Writes what [`Walk::choose`] chooses into a new folder. Frames that are not held are decoded again. `goes_on` is asked
+    /// after each frame.
     ///
     /// # Errors
     /// As [`Keeper::write`].
     pub fn keep(
         &self,
-        (variant, place): (&str, &str),
-        png: bool,
-        (looks, wish): (&[Look], &Wish),
+        photos: PhotosOf,
+        looks: &[Look],
+        wish: &Wish,
         held: &Held,
         folder: &Path,
-        goes_on: impl Fn() -> bool,
+        goes_on: impl FnMut() -> bool,
     ) -> Result<Vec<Kept>, KeepError> {
         let keeper = Keeper {
             video: &self.video,
@@ -172,9 +172,7 @@ impl Walk {
             camera: &self.camera,
             detector: TagDetectorChoice::default(),
             most_blur_px: wish.most_blur_px,
-            variant,
-            place,
-            png,
+            photos,
             held,
             wanted: &self.wanted.viewpoints,
         };

@@ -18,6 +18,7 @@ use self::terminal::TerminalLog;
 use crate::cli::answer::told;
 use crate::cli::choice::completing;
 use crate::cli::full::interrupt::Opening;
+use crate::cli::resolve::names::check_names;
 use crate::cli::{CommandResult, Outcome, Result};
 use scaleproof_capture::page::{CaptureInfo, Page};
 use scaleproof_capture::{
@@ -268,18 +269,6 @@ fn guide(
     } else {
         finish(&capture, args.json, out)
     }
-}
-
-/// Finds out before anything is made that a session may have these names of a texture and a place.
-pub(super) fn check_names(variant: &str, place: &str) -> Result<(), String> {
-    for (what, name) in [("--variant", variant), ("--place", place)] {
-        if name.trim().is_empty() || name.trim() != name || name.chars().any(char::is_control) {
-            return Err(format!(
-                "{what} is {name:?}: give a name without blanks around it or control characters"
-            ));
-        }
-    }
-    Ok(())
 }
 
 /// Finds out before anything is made that nothing is written among the originals.
