@@ -3,16 +3,16 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::choose::{Refusal, Wish, refused};
-use crate::hold::Held;
-use crate::keep::{KeepError, Kept, PhotosOf};
-use crate::look::Look;
-use crate::pairs::Wanted;
-use crate::walk::{LookError, OpenError, Walk, open_video, usual_step};
+use crate::cache::FrameCache;
+use crate::choose::{Refusal, SelectionCriteria, count_refusals};
+use crate::keep::{KeepError, PhotosOf, SavedFrame};
+use crate::pairs::TargetViews;
+use crate::tracking::FrameResult;
+use crate::walk::{TrackError, Walk, open_video, usual_step};
 use crate::{cause, coverage, sheet};
 use scaleproof_capture::slug;
 use scaleproof_core::files::{self, FileError};
-use scaleproof_core::message::{Message, bail, message};
+use scaleproof_core::message::{Message, bail};
 use scaleproof_core::spelling::count;
 use scaleproof_pose::camera::{Camera, CameraError};
 use scaleproof_pose::scene::Scene;
@@ -20,7 +20,7 @@ use scaleproof_pose::tags::{StartError, TagDetectorChoice};
 use scaleproof_session::filling::{self, FillingError};
 use scaleproof_session::folders::{self, FoldersError, PhotoFolder};
 use scaleproof_session::{NewSession, NewSessionError, PhotoEntry, Session};
-use scaleproof_video::Selection;
+use scaleproof_video::{Selection, VideoError};
 
 /// A video that is to become photos of a session.
 pub struct FilmRequest {
@@ -40,7 +40,7 @@ pub struct FilmRequest {
     /// Part of the video, s.
     pub from_s: f64,
     pub to_s: Option<f64>,
-    /// Look at every Nth frame; by default as leaves about 30 a second.
+    /// FrameResult at every Nth frame; by default as leaves about 30 a second.
     pub every: Option<u64>,
     /// PNG instead of JPEG.
     pub png: bool,
@@ -65,16 +65,16 @@ pub struct Filmed {
     /// Folder of the film's photos, by its name in the session.
     pub inside: String,
     /// Every frame that was looked at.
-    pub looks: Vec<Look>,
+    pub looks: Vec<FrameResult>,
     /// Frames that could not be chosen, by reason.
     pub refused: BTreeMap<Refusal, usize>,
     /// Frames that are photos now.
-    pub kept: Vec<Kept>,
+    pub kept: Vec<SavedFrame>,
     pub contact_sheet: PathBuf,
     pub coverage: PathBuf,
 }
 
-/// Why a film gave no photos.
+/// Reason why a film gave no photos.
 #[derive(Debug, thiserror::Error)]
 pub enum FilmError {
     #[error("stopped: no photo was kept")]
@@ -100,8 +100,8 @@ failed!(
     FillingError,
     FoldersError,
     NewSessionError,
-    OpenError,
-    StartError
+    StartError,
+    VideoError
 );
 
 impl From<KeepError> for FilmError {
@@ -113,30 +113,23 @@ impl From<KeepError> for FilmError {
     }
 }
 
-impl From<LookError> for FilmError {
-    fn from(e: LookError) -> FilmError {
+impl From<TrackError> for FilmError {
+    fn from(e: TrackError) -> FilmError {
         match e {
-            LookError::Interrupted => FilmError::Interrupted,
-            // Frames before the damage can be used.
-            LookError::Video {
-                error,
-                whole_s: Some(whole_s),
-            } => message!("{error}")
-                .hint(format!("use what is before it by ‹to› {whole_s:.1}"))
-                .into(),
+            TrackError::Interrupted => FilmError::Interrupted,
             other => FilmError::Failed(other.into()),
         }
     }
 }
 
-/// Step of a film's way into a session, of which it is known how far it is.
+/// Step of a film's way into a session, with a progress of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FilmStep {
     Looking,
     Keeping,
 }
 
-/// Hears of a step, the frames done and their expected number after each frame, and says whether to go on.
+/// Callback after each frame: the step, the frames done and their expected number; returns false to stop.
 pub type FilmProgress<'a> = &'a mut dyn FnMut(FilmStep, usize, usize) -> bool;
 
 impl FilmRequest {
@@ -150,12 +143,12 @@ impl FilmRequest {
         let state = files::FileState::of(&self.video)?;
         let video = open_video(&self.video, &camera)?;
         let sha256 = files::sha256_of_file(&self.video)?;
-        let wanted = match &self.session {
+        let targets = match &self.session {
             Some(session) => {
                 self.refuse_twice(session, &sha256)?;
-                Wanted::of(session, &self.variant, &self.place, TagDetectorChoice::default())?
+                TargetViews::of(session, &self.variant, &self.place, TagDetectorChoice::default())?
             }
-            None => Wanted::default(),
+            None => TargetViews::default(),
         };
         let part = Selection {
             from_s: self.from_s,
@@ -170,7 +163,7 @@ impl FilmRequest {
             state,
             scene,
             camera,
-            wanted,
+            targets,
         };
         Ok(Film {
             request: self,
@@ -180,7 +173,7 @@ impl FilmRequest {
         })
     }
 
-    /// Each photo counts once.
+    /// Refuses a video that the session has photos of: each photo counts once.
     fn refuse_twice(&self, session: &Session, sha256: &str) -> Result<(), Message> {
         let is_it = |photo: &&PhotoEntry| photo.frame.as_ref().is_some_and(|frame| frame.sha256 == sha256);
         let Some(photo) = session.photos.iter().find(is_it) else {
@@ -203,7 +196,7 @@ impl Film {
     /// Looks at the frames, chooses, and writes the session with the pictures beside its photos; all of it or nothing.
     ///
     /// # Errors
-    /// No frame can be chosen; the video breaks off; another run fills the session; a file cannot be written; `progress` says no.
+    /// No frame can be chosen; the video breaks off; another run fills the session; a file cannot be written; `progress` returns false.
     pub fn to_session(&self, progress: FilmProgress) -> Result<Filmed, FilmError> {
         let folder = &self.request.folder;
         let had_folder = folder.exists();
@@ -219,7 +212,7 @@ impl Film {
         made
     }
 
-    /// Another run may have filled the session between the reading of it and the lock on it.
+    /// Refuses a session that another run has filled between the reading of it and the lock on it.
     fn refuse_if_changed(&self) -> Result<(), FilmError> {
         let folder = &self.request.folder;
         if hash_of_list(folder)? == self.list {
@@ -233,17 +226,17 @@ impl Film {
 
     fn make(&self, progress: FilmProgress) -> Result<Filmed, FilmError> {
         let (request, walk) = (&self.request, &self.walk);
-        let wish = walk.wish(request.per_bin, request.apart_s);
-        let (looks, held) = self.look(&wish, progress)?;
+        let criteria = walk.criteria(request.per_bin, request.apart_s);
+        let (looks, held) = self.look(&criteria, progress)?;
         let folder = folder_name(&slug(&request.variant), &slug(&stem(&walk.name)));
         let folder = files::free_place(&request.folder.join(folder));
-        let kept = self.keep(&looks, &wish, &held, &folder, progress)?;
+        let kept = self.keep(&looks, &criteria, &held, &folder, progress)?;
         if kept.is_empty() {
-            let why = self.why_none(&wish, &looks);
-            let cause = cause::cause(walk, &looks, [&request.scene, &request.camera]);
+            let why = self.why_none(&criteria, &looks);
+            let cause = cause::common_cause(walk, &looks, [&request.scene, &request.camera]);
             return Err(Message::new(cause.map_or(why.clone(), |cause| format!("{why}: {cause}"))).into());
         }
-        let made = self.write(looks, &wish, &folder, kept);
+        let made = self.write(looks, &criteria, &folder, kept);
         if made.is_err() {
             // Photos that no list names would be taken for photos of nobody knows what.
             let _ = files::chosen::remove_folder(&request.folder, &folder);
@@ -254,10 +247,14 @@ impl Film {
         made
     }
 
-    fn look(&self, wish: &Wish, progress: FilmProgress) -> Result<(Vec<Look>, Held), FilmError> {
+    fn look(
+        &self,
+        criteria: &SelectionCriteria,
+        progress: FilmProgress,
+    ) -> Result<(Vec<FrameResult>, FrameCache), FilmError> {
         let all = self.walk.expected(&self.part);
-        let looked = |looks: &[Look]| progress(FilmStep::Looking, looks.len(), all);
-        let (looks, held) = self.walk.looks(&self.part, wish, looked)?;
+        let looked = |looks: &[FrameResult]| progress(FilmStep::Looking, looks.len(), all);
+        let (looks, held) = self.walk.track(&self.part, criteria, looked)?;
         if looks.is_empty() {
             let request = &self.request;
             let to = request.to_s.map_or(String::new(), |to| format!(" and before {to} s"));
@@ -273,13 +270,13 @@ impl Film {
     /// Writes the chosen frames into a folder of the session.
     fn keep(
         &self,
-        looks: &[Look],
-        wish: &Wish,
-        held: &Held,
+        looks: &[FrameResult],
+        criteria: &SelectionCriteria,
+        held: &FrameCache,
         folder: &Path,
         progress: FilmProgress,
-    ) -> Result<Vec<Kept>, FilmError> {
-        let (mut done, all) = (0, self.walk.choose(looks, wish).len());
+    ) -> Result<Vec<SavedFrame>, FilmError> {
+        let (mut done, all) = (0, self.walk.choose(looks, criteria).len());
         let goes_on = || {
             done += 1;
             progress(FilmStep::Keeping, done, all)
@@ -289,13 +286,13 @@ impl Film {
             place: &self.request.place,
             png: self.request.png,
         };
-        Ok(self.walk.keep(photos, looks, wish, held, folder, goes_on)?)
+        Ok(self.walk.keep(photos, looks, criteria, held, folder, goes_on)?)
     }
 
-    /// Why no frame was chosen, and what to do.
-    fn why_none(&self, wish: &Wish, looks: &[Look]) -> String {
+    /// Returns the reason why no frame was chosen, and what to do.
+    fn why_none(&self, criteria: &SelectionCriteria, looks: &[FrameResult]) -> String {
         let video = self.request.video.display();
-        let refused = refused(wish, looks);
+        let refused = count_refusals(criteria, looks);
         let reasons: Vec<String> = refused
             .iter()
             .map(|(why, count)| format!("{} {count}", why.name()))
@@ -313,7 +310,13 @@ impl Film {
     }
 
     /// Writes the session and the pictures beside the folder of its photos.
-    fn write(&self, looks: Vec<Look>, wish: &Wish, folder: &Path, kept: Vec<Kept>) -> Result<Filmed, FilmError> {
+    fn write(
+        &self,
+        looks: Vec<FrameResult>,
+        criteria: &SelectionCriteria,
+        folder: &Path,
+        kept: Vec<SavedFrame>,
+    ) -> Result<Filmed, FilmError> {
         let (request, walk) = (&self.request, &self.walk);
         let given = PhotoFolder {
             variant: request.variant.clone(),
@@ -332,7 +335,7 @@ impl Film {
             &request.folder,
             &[
                 (&contact_sheet, sheet::png(&kept).unwrap_or_default()),
-                (&coverage, coverage::svg(&title, wish, &looks, &kept).into_bytes()),
+                (&coverage, coverage::svg(&title, criteria, &looks, &kept).into_bytes()),
             ],
         )?;
         let (file, photos) = NewSession {
@@ -347,7 +350,7 @@ impl Film {
             file,
             photos,
             inside: files::name_of(folder),
-            refused: refused(wish, &looks),
+            refused: count_refusals(criteria, &looks),
             looks,
             kept,
             contact_sheet,

@@ -103,7 +103,7 @@ impl Answer {
             sigma: one.sigma,
             gates: one.measures,
             pair: one.pair.map(|(place, difference)| Pair {
-                file: walk.wanted.files[place].clone(),
+                file: walk.targets.files[place].clone(),
                 difference,
             }),
         });
@@ -127,7 +127,7 @@ impl Answer {
             refused: filmed.refused.clone(),
             chosen: chosen.collect(),
             empty_bins: walk.empty_bins(&filmed.kept),
-            paired_with: Some(walk.wanted.variant.clone()).filter(|variant| !variant.is_empty()),
+            paired_with: Some(walk.targets.variant.clone()).filter(|variant| !variant.is_empty()),
             unpaired: walk.unpaired(&filmed.kept),
             contact_sheet: filmed.contact_sheet.clone(),
             coverage: filmed.coverage.clone(),
