@@ -2,7 +2,7 @@
 #![allow(dead_code)] // each target uses its part
 
 // The file itself: the crate `capture` would bring a web server and camera drivers into every target.
-#[path = "../crates/capture/src/live/jpegs.rs"]
+#[path = "../crates/capture/src/source/live/jpegs.rs"]
 mod jpegs;
 
 use std::path::{Path, PathBuf};

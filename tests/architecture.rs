@@ -295,7 +295,7 @@ const ONE_PLACE: [(&str, &[&str]); 7] = [
     ("eprintln!", &["src/cli/full/capture/page.rs"]),
     (" println!", &[]),
     // Every image is measured before it is decoded: those of a stream by their headers; this one the program has made itself.
-    ("ImageReader", &["crates/capture/src/live/pixels.rs"]),
+    ("ImageReader", &["crates/capture/src/source/live/pixels.rs"]),
     ("load_from_memory", &["crates/study/src/chart/spoil.rs"]),
 ];
 

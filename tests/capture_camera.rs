@@ -13,6 +13,7 @@ use image::{Rgb, RgbImage};
 use live::live_capture;
 use scaleproof_capture::live::{Device, LiveCameraError, PixelFormat, RawImage, Setting};
 use scaleproof_capture::{CameraSettings, Capture, FrameSource, LiveCamera, Original};
+use scaleproof_core::message::Hint;
 use scaleproof_photo::{Budget, Photo};
 use scaleproof_pose::scene::Scene;
 
@@ -184,7 +185,7 @@ impl Device for Fake {
         std::thread::sleep(self.every);
         let count = self.sent.load(Ordering::SeqCst);
         if count == self.last {
-            return Err(LiveCameraError::Driver("no such device".into()));
+            return Err(LiveCameraError::Failed("no such device".into()));
         }
         self.sent.store(count + 1, Ordering::SeqCst);
         Ok(self.pictures[count as usize % self.pictures.len()].clone())
@@ -258,19 +259,18 @@ fn a_stale_picture_is_never_queued() {
 
 #[test]
 fn a_camera_that_cannot_be_used_is_one_sentence() {
-    let refused = LiveCamera::from_device(3, LIMIT, || Err(LiveCameraError::Driver("it is busy".into())))
+    let refused = LiveCamera::from_device(3, LIMIT, || Err(LiveCameraError::Failed("it is busy".into())))
         .err()
         .unwrap();
-    assert_eq!(
-        refused.to_string(),
-        "the camera 3 cannot be used (it is busy): see `scaleproof capture list-cameras`"
-    );
+    assert_eq!(refused.to_string(), "the camera 3 cannot be used (it is busy)");
+    let hint = Hint::of(&refused).unwrap().to_string();
+    assert_eq!(hint, "see `scaleproof capture list-cameras`");
     // A driver that panics, and one that says nothing.
     let broken = LiveCamera::from_device(3, LIMIT, || panic!("driver")).err().unwrap();
     assert!(broken.to_string().contains("its driver failed"), "{broken}");
     let hanging = LiveCamera::from_device(3, Duration::from_secs(2), || {
         std::thread::sleep(Duration::from_secs(60));
-        Err(LiveCameraError::Driver("nobody waits for this".into()))
+        Err(LiveCameraError::Failed("nobody waits for this".into()))
     });
     let hanging = hanging.err().unwrap().to_string();
     assert!(hanging.contains("did not open within 2 s"), "{hanging}");
@@ -296,7 +296,7 @@ fn a_camera_that_cannot_be_used_is_one_sentence() {
         .arg(skyline().join("camera.yaml"))
         .arg("-o")
         .arg(&session);
-    assert_refused(&command.output().unwrap(), &["camera 97", "list-cameras"]);
+    assert_refused(&command.output().unwrap(), &["camera 97", "hint: see `scaleproof capture list-cameras`"]);
     assert!(!session.exists());
     let listed = program().args(["capture", "list-cameras", "--json"]).output().unwrap();
     let told: serde_json::Value = serde_json::from_slice(&listed.stdout).unwrap();

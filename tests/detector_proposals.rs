@@ -569,13 +569,16 @@ fn a_label_of_the_users_own_is_mapped_and_the_onnx_file_names_its_manifest() {
     std::fs::write(saved.join("normal_000_detections.jpg"), "mine").unwrap();
     assert_refused(
         &check(&model, &["--save", saved.to_str().unwrap()]),
-        &["normal_000_detections.jpg is in the way: no earlier run has drawn it; name another folder with --save"],
+        &[
+            "normal_000_detections.jpg is in the way: no earlier run has drawn it",
+            "hint: name another folder by --save",
+        ],
     );
     assert_eq!(std::fs::read(saved.join("normal_000_detections.jpg")).unwrap(), b"mine");
     let stored = common::skyline();
     assert_refused(
         &check(&model, &["--save", stored.to_str().unwrap()]),
-        &["holds the photo", "name another folder with --save"],
+        &["holds the photo", "hint: name another folder by --save"],
     );
 
     std::fs::rename(folder.path().join("mine.onnx"), folder.path().join("other.onnx")).unwrap();

@@ -646,7 +646,10 @@ fn overlays_show_what_was_found_and_replace_only_overlays() {
     std::fs::write(folder.join("normal_001.overlay.jpg"), b"my own picture").unwrap();
     common::assert_refused(
         &changed.locate(&["--overlay", folder.to_str().unwrap()]),
-        &["normal_001.overlay.jpg is in the way: no earlier run has drawn it; name another folder with --overlay"],
+        &[
+            "normal_001.overlay.jpg is in the way: no earlier run has drawn it",
+            "hint: name another folder by --overlay",
+        ],
     );
     assert_eq!(
         std::fs::read(folder.join("normal_001.overlay.jpg")).unwrap(),
@@ -654,7 +657,7 @@ fn overlays_show_what_was_found_and_replace_only_overlays() {
     );
     common::assert_refused(
         &changed.locate(&["--overlay", skyline().to_str().unwrap()]),
-        &["holds the photo", "name another folder with --overlay"],
+        &["holds the photo", "hint: name another folder by --overlay"],
     );
 }
 

@@ -243,7 +243,7 @@ fn every_code_is_in_the_reference() {
     let page = std::fs::read_to_string(home().join("docs/guide/reference/codes.md")).unwrap();
     for file in [
         "pose/src/locate/abstention.rs",
-        "capture/src/capture/advice.rs",
+        "capture/src/advice.rs",
         "rig/src/survey/problem.rs",
     ] {
         let source = std::fs::read_to_string(home().join("crates").join(file)).unwrap();

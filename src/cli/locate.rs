@@ -109,7 +109,7 @@ pub(super) fn run(mut args: Args, out: &mut dyn Write) -> CommandResult {
         scene_file: args.scene,
         camera_file: args.camera,
     };
-    let places = |folder: &PathBuf| copies::places(folder, &args.photos, "--overlay", overlay_name);
+    let places = |folder: &PathBuf| copies::places(folder, &args.photos, "overlay", overlay_name);
     let overlays = args.overlay.as_ref().map(places).transpose()?;
     let answers = locate_all(&args.photos, &files.scene, &files.camera, args.tag_detector)?;
     let read: Vec<_> = answers

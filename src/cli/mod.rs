@@ -3,10 +3,12 @@
 #[macro_use]
 mod advice;
 mod answer;
+mod args;
 mod at_hand;
 mod camera;
 mod choice;
 mod colour;
+mod commands;
 mod compare;
 mod completions;
 mod criteria;
@@ -31,6 +33,7 @@ mod patterns;
 mod photos;
 mod plan;
 mod print;
+mod resolve;
 mod results;
 mod scene;
 mod schemas;

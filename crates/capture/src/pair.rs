@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use scaleproof_core::message::{Message, bail, message};
 use scaleproof_core::workers;
 use scaleproof_photo::Photo;
 use scaleproof_pose::locate::locate_photo;
@@ -20,10 +21,8 @@ pub enum PairError {
     Session(#[from] SessionError),
     #[error(transparent)]
     Tags(#[from] StartError),
-    #[error("the session {name} has the variants {variants} and none is `normal`: pair with a session of one variant")]
-    Variants { name: String, variants: String },
-    #[error("no photo of the session {name} has a viewpoint ({reason}): pair with another")]
-    NoViewpoint { name: String, reason: String },
+    #[error(transparent)]
+    Message(#[from] Message),
 }
 
 /// Viewpoints of a session's `normal` photos, or of the only variant it has; and what is wrong with photos that have none.
@@ -34,9 +33,11 @@ pub fn viewpoints(session: &Path, tags: TagDetectorChoice) -> Result<(Vec<Viewpo
     let session = Session::open(session)?;
     let variants: BTreeSet<&str> = session.photos.iter().map(|photo| photo.variant.as_str()).collect();
     let only = variants.first().filter(|_| variants.len() == 1);
-    let variant = *only.or(variants.get(NORMAL)).ok_or_else(|| PairError::Variants {
-        name: session.name.clone(),
-        variants: variants.iter().copied().collect::<Vec<_>>().join(", "),
+    let variant = *only.or(variants.get(NORMAL)).ok_or_else(|| {
+        let (name, variants) = (&session.name, Vec::from_iter(variants.iter().copied()).join(", "));
+        message!(
+            "the session {name} has the variants {variants} and none is `normal`: pair with a session of one variant"
+        )
     })?;
     let photos: Vec<&PhotoEntry> = session.photos.iter().filter(|photo| photo.variant == variant).collect();
     let found = workers::map(
@@ -54,8 +55,8 @@ pub fn viewpoints(session: &Path, tags: TagDetectorChoice) -> Result<(Vec<Viewpo
     }
     match faults.first() {
         Some(reason) if viewpoints.is_empty() => {
-            let (name, reason) = (session.name.clone(), reason.clone());
-            Err(PairError::NoViewpoint { name, reason })
+            let name = session.name;
+            bail!("no photo of the session {name} has a viewpoint ({reason}): pair with another")
         }
         _ => Ok((viewpoints, faults)),
     }

@@ -11,8 +11,9 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::gates::Measures;
-use super::live::CameraSettings;
+use super::source::CameraSettings;
 use scaleproof_core::files::{self, FileError};
+use scaleproof_core::message::{Message, bail, message};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::Sigma;
 use scaleproof_pose::scene::{Scene, Viewpoint};
@@ -29,12 +30,8 @@ pub enum StoreError {
     Session(#[from] SessionError),
     #[error(transparent)]
     Filling(#[from] FillingError),
-    #[error("{folder} was captured with another {what}: give that one, or capture into a new folder", folder = folder.display())]
-    Other { folder: PathBuf, what: &'static str },
-    #[error("the session's folder {folder} is gone or was emptied: bring it back and run this again", folder = folder.display())]
-    Gone { folder: PathBuf },
-    #[error("the scene's mesh {mesh} does not lie below the scene's folder, so that it cannot be copied into the session: put it there", mesh = mesh.display())]
-    MeshElsewhere { mesh: PathBuf },
+    #[error(transparent)]
+    Message(#[from] Message),
 }
 
 /// What is kept of an accepted photo beside it, as `NAME.capture.json`.
@@ -92,7 +89,12 @@ impl Store {
     pub(super) fn begin(folder: &Path, scene: &Path, camera: &Path) -> Result<Store, StoreError> {
         let read = Scene::open(scene)?;
         Camera::open(camera).map_err(SessionError::from)?;
-        let below = session::files_below(&read).map_err(|mesh| StoreError::MeshElsewhere { mesh })?;
+        let below = session::files_below(&read).map_err(|mesh| {
+            message!(
+                "the scene's mesh {} does not lie below the scene's folder, so that it cannot be copied into the session: put it there",
+                mesh.display()
+            )
+        })?;
         refuse_foreign(folder)?;
         files::make_named_folder(folder)?;
         let lock = filling::locked(folder)?;
@@ -145,8 +147,8 @@ impl Store {
     pub fn accept(&mut self, original: &[u8], extension: &str, mut sidecar: Sidecar) -> Result<String, StoreError> {
         // Writing would create a missing folder again.
         if !self.folder.join(SCENE).exists() {
-            let folder = self.folder.clone();
-            return Err(StoreError::Gone { folder });
+            let folder = self.folder.display();
+            bail!("the session's folder {folder} is gone or was emptied: bring it back and run this again");
         }
         let name = format!("{}_{:03}.{extension}", slug(&sidecar.photo.variant), self.next);
         sidecar.photo.file = name.clone();
@@ -253,8 +255,8 @@ fn keep_copy(from: &Path, folder: &Path, name: &str, what: &'static str, is_new:
     if is_new && !path.exists() {
         return Ok(files::replace_atomically(folder, &path, &content)?);
     }
-    let folder = folder.to_owned();
-    Err(StoreError::Other { folder, what })
+    let folder = folder.display();
+    bail!("{folder} was captured with another {what}: give that one, or capture into a new folder")
 }
 
 /// Sidecars of a folder by the name of their photo.

@@ -1,8 +1,8 @@
-//! The one cause why the frames of a walk have no pose, where there is one.
+//! Common cause why the frames of a walk have no pose, if there is one.
 
 use std::path::Path;
 
-use crate::look::{Look, Unplaced};
+use crate::tracking::{FrameResult, NoPose};
 use crate::walk::Walk;
 use scaleproof_photo as photo;
 use scaleproof_photo::{Budget, Photo};
@@ -11,12 +11,12 @@ use scaleproof_pose::locate::{LocatedPhoto, locate_photo};
 use scaleproof_pose::tags::TagDetectorChoice;
 use scaleproof_video::Selection;
 
-/// So many frames with tags and without a pose are looked at as photos.
+/// Number of frames with tags and without a pose that are located as photos.
 const FRAMES: usize = 8;
 
-/// As a sentence that names the files; `None` where there is no one cause, or the frames cannot be decoded again.
-pub fn cause(walk: &Walk, looks: &[Look], [scene_file, camera_file]: [&Path; 2]) -> Option<String> {
-    let unsure = looks.iter().filter(|look| look.shows == Err(Unplaced::Unsure));
+/// Finds the cause, as a sentence that names the files; `None` if there is no common one, or the frames cannot be decoded again.
+pub fn common_cause(walk: &Walk, looks: &[FrameResult], [scene_file, camera_file]: [&Path; 2]) -> Option<String> {
+    let unsure = looks.iter().filter(|look| look.shows == Err(NoPose::Unsure));
     let numbers: Vec<u64> = unsure.map(|look| look.number).collect();
     let step = numbers.len().div_ceil(FRAMES).max(1);
     let numbers: Vec<u64> = numbers.into_iter().step_by(step).collect();

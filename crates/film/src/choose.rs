@@ -1,11 +1,11 @@
-//! Which frames are kept. Plain numbers in, frames out.
+//! Choice of the frames that become photos. Plain numbers in, frames out.
 
 use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::look::{Look, Unplaced, View};
+use crate::tracking::{FrameResult, NoPose, View};
 use scaleproof_capture::{MAX_BLUR_PX, Tolerance};
 use scaleproof_core::geometry::angle::turn;
 use scaleproof_pose::scene::{Bin, Bins, Viewpoint};
@@ -14,14 +14,14 @@ use scaleproof_pose::scene::{Bin, Bins, Viewpoint};
 const SHARP_PX: f64 = MAX_BLUR_PX;
 /// Bounds of "nearby", in azimuth and in pitch.
 const NEARBY_DEG: f64 = 5.0;
-/// Frames that differ by less, as a share of what is sharp yet, are equally sharp: among them the one in which the camera moves least is the best.
+/// Frames whose blurs differ by less, as a share of the largest sharp blur, are equally sharp: among them the one in which the camera moves least is the best.
 const ALIKE: f64 = 0.2;
-/// A bin that is less probable is not counted on.
+/// Least probability of a bin that is relied on.
 const SURE_BIN: f64 = 0.95;
-/// A frame further than this from another photo's viewpoint is no pair of it: directions to the camera, seen from the model.
+/// Largest angle between the camera directions of a pair, seen from the model.
 const MOST_APART_DEG: f64 = 5.0;
 
-/// Why a frame was not fit to be chosen.
+/// Reason why a frame was not fit to be chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Refusal {
@@ -62,7 +62,7 @@ impl Refusal {
         Refusal::Repeated,
     ];
 
-    /// As people say it.
+    /// Returns the reason in words.
     pub fn name(self) -> &'static str {
         match self {
             Refusal::NoTags => "no tags",
@@ -79,35 +79,36 @@ impl Refusal {
     }
 }
 
-/// Demands on frames.
+/// Criteria by which frames are chosen.
 #[derive(Debug, Clone)]
-pub struct Wish<'a> {
+pub struct SelectionCriteria<'a> {
     pub bins: &'a Bins,
-    /// Blur beyond this, px, is too much.
+    /// Largest blur, px (standard deviation).
     pub most_blur_px: f64,
     /// Frames of each bin.
     pub per_bin: usize,
-    /// Seconds between two of one bin, at least.
+    /// Least time between two frames of one bin, s.
     pub apart_s: f64,
 }
 
-/// A chosen frame, by its place among those looked at.
+/// Chosen frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chosen {
+    /// Index among the tracked frames.
     pub at: usize,
     pub bin: Bin,
-    /// The wanted viewpoint it was chosen for, by its place, and how far it is from that.
+    /// Index of the target viewpoint it was chosen for, and its angle to that, deg.
     pub pair: Option<(usize, f64)>,
 }
 
-impl Wish<'_> {
-    /// Reason why a frame is not chosen.
-    pub fn refusal(&self, look: &Look) -> Option<Refusal> {
+impl SelectionCriteria<'_> {
+    /// Returns the reason why a frame is not chosen.
+    pub fn refusal(&self, look: &FrameResult) -> Option<Refusal> {
         let view = match &look.shows {
-            Err(Unplaced::NoTags) => return Some(Refusal::NoTags),
-            Err(Unplaced::Blurred) => return Some(Refusal::Blurred),
-            Err(Unplaced::Unsure) => return Some(Refusal::Unsure),
-            Err(Unplaced::Repeated) => return Some(Refusal::Repeated),
+            Err(NoPose::NoTags) => return Some(Refusal::NoTags),
+            Err(NoPose::Blurred) => return Some(Refusal::Blurred),
+            Err(NoPose::Unsure) => return Some(Refusal::Unsure),
+            Err(NoPose::Repeated) => return Some(Refusal::Repeated),
             Ok(view) => view,
         };
         let (v, bin) = (&view.viewpoint, self.bins.bin_of(&view.viewpoint));
@@ -130,8 +131,8 @@ impl Wish<'_> {
         checks.into_iter().find(|(is_so, _)| *is_so).map(|(_, refusal)| refusal)
     }
 
-    /// The frames that may be chosen: of those that are not sharp, those without a sharper one nearby.
-    fn fit<'a>(&self, looks: &'a [Look]) -> Vec<Fit<'a>> {
+    /// Returns the frames that may be chosen: of those that are not sharp, those without a sharper one nearby.
+    fn fit<'a>(&self, looks: &'a [FrameResult]) -> Vec<Fit<'a>> {
         let fit = looks
             .iter()
             .enumerate()
@@ -142,21 +143,22 @@ impl Wish<'_> {
                 at,
                 time_s: look.time_s,
                 view,
-                unsharp: view.blur_px? / SHARP_PX,
+                relative_blur: view.blur_px? / SHARP_PX,
                 moved_deg: view.moved?.azimuth_deg,
                 bin: self.bins.bin_of(&view.viewpoint),
             })
         });
         let all: Vec<Fit> = fit.collect();
         let is_blurred_beside = |one: &Fit| {
-            let beats = |other: &Fit| other.unsharp < one.unsharp && other.is_nearby(one);
+            let beats = |other: &Fit| other.relative_blur < one.relative_blur && other.is_nearby(one);
             !one.is_sharp() && all.iter().any(beats)
         };
         all.iter().filter(|one| !is_blurred_beside(one)).copied().collect()
     }
 
-    /// The sharpest frames of each bin, apart in time; among equally sharp ones those in which the camera moves least. One that is not sharp only where the bin has no better one.
-    pub fn best(&self, looks: &[Look]) -> Vec<Chosen> {
+    /// Chooses the sharpest frames of each bin, apart in time; among equally sharp ones those in which the camera moves least. A frame that is not
+    /// sharp is chosen only if the bin has no better one.
+    pub fn best(&self, looks: &[FrameResult]) -> Vec<Chosen> {
         let mut bins: BTreeMap<Bin, Vec<Fit>> = BTreeMap::new();
         for fit in self.fit(looks) {
             bins.entry(fit.bin).or_default().push(fit);
@@ -164,7 +166,7 @@ impl Wish<'_> {
         let mut chosen = Vec::new();
         for (bin, mut fits) in bins {
             fits.sort_by(|a, b| {
-                let order = |fit: &Fit| ((fit.unsharp / ALIKE).floor() as i64, fit.moved_deg);
+                let order = |fit: &Fit| ((fit.relative_blur / ALIKE).floor() as i64, fit.moved_deg);
                 let (a, b) = (order(a), order(b));
                 a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
             });
@@ -191,8 +193,8 @@ impl Wish<'_> {
         chosen
     }
 
-    /// For each of some viewpoints the frame that is nearest to it, of the same bin; the nearest pairs are joined first, and no frame twice.
-    pub fn nearest(&self, looks: &[Look], wanted: &[Viewpoint]) -> Vec<Chosen> {
+    /// Chooses for each viewpoint the nearest frame of the same bin; the nearest pairs are joined first, and no frame twice.
+    pub fn nearest(&self, looks: &[FrameResult], wanted: &[Viewpoint]) -> Vec<Chosen> {
         let fits = self.fit(looks);
         let mut all = Vec::new();
         for (place, wanted) in wanted.iter().enumerate() {
@@ -221,15 +223,15 @@ struct Fit<'a> {
     at: usize,
     time_s: f64,
     view: &'a View,
-    /// Its blur as a share of what is sharp yet.
-    unsharp: f64,
+    /// Its blur as a share of the largest that is sharp.
+    relative_blur: f64,
     moved_deg: f64,
     bin: Bin,
 }
 
 impl Fit<'_> {
     fn is_sharp(&self) -> bool {
-        self.unsharp <= 1.0
+        self.relative_blur <= 1.0
     }
 
     fn is_nearby(&self, other: &Fit) -> bool {
@@ -238,7 +240,7 @@ impl Fit<'_> {
     }
 }
 
-/// Distance between two viewpoints: the way between the camera centres as an angle at the farther one's distance, degrees. Other distances count as
+/// Returns the distance between two viewpoints: the way between the camera centres as an angle at the farther one's distance, degrees. Other distances count as
 /// other directions do.
 pub fn apart_deg(a: &Viewpoint, b: &Viewpoint) -> f64 {
     let [one, other] = [a, b].map(|v| v.camera_centre_mm(nalgebra::Point3::origin()));
@@ -246,10 +248,10 @@ pub fn apart_deg(a: &Viewpoint, b: &Viewpoint) -> f64 {
     ((one - other).norm() / far_mm).to_degrees()
 }
 
-/// Refused frames by reason.
-pub fn refused(wish: &Wish, looks: &[Look]) -> BTreeMap<Refusal, usize> {
+/// Counts refused frames by reason.
+pub fn count_refusals(criteria: &SelectionCriteria, looks: &[FrameResult]) -> BTreeMap<Refusal, usize> {
     let mut counts = BTreeMap::new();
-    for refusal in looks.iter().filter_map(|look| wish.refusal(look)) {
+    for refusal in looks.iter().filter_map(|look| criteria.refusal(look)) {
         *counts.entry(refusal).or_default() += 1;
     }
     counts

@@ -1,33 +1,26 @@
-//! The coverage plot: where the camera stood, seen from above with the model's front up, and what became of each frame.
+//! Coverage plot: the camera's positions seen from above, the model's front up, with the fate of each frame.
 
-use std::collections::BTreeMap;
-
-use crate::choose::{Refusal, Wish};
-use crate::keep::Kept;
-use crate::look::Look;
+use crate::choose::{Refusal, SelectionCriteria, count_refusals};
+use crate::keep::SavedFrame;
+use crate::tracking::FrameResult;
 use scaleproof_plot::Anchor::Middle;
 use scaleproof_plot::{BLACK, Colour, Drawing, Explained, FAINT, Mark, NOTE, WHITE, colour, figure};
 use scaleproof_pose::scene::Viewpoint;
 
 const RADIUS: f64 = 150.0;
-/// The farthest frame is drawn here, as a share of the radius.
+/// Distance at which the farthest frame is drawn, as a share of the radius.
 const FAR: f64 = 0.97;
-/// More dots than this tell no more.
+/// Maximum number of dots.
 const MOST_DOTS: usize = 1500;
 const FIT: Colour = Colour(0x9fb4c7);
 
-/// The plot as SVG.
-pub fn svg(title: &str, wish: &Wish, looks: &[Look], kept: &[Kept]) -> String {
+/// Draws the plot as SVG.
+pub fn svg(title: &str, criteria: &SelectionCriteria, looks: &[FrameResult], kept: &[SavedFrame]) -> String {
     let views: Vec<(&Viewpoint, Option<Refusal>)> = looks
         .iter()
-        .filter_map(|look| Some((&look.shows.as_ref().ok()?.viewpoint, wish.refusal(look))))
+        .filter_map(|look| Some((&look.shows.as_ref().ok()?.viewpoint, criteria.refusal(look))))
         .collect();
-    let mut counts: BTreeMap<Refusal, usize> = BTreeMap::new();
-    for look in looks {
-        if let Some(refusal) = wish.refusal(look) {
-            *counts.entry(refusal).or_default() += 1;
-        }
-    }
+    let counts = count_refusals(criteria, looks);
     let fit = looks.len() - counts.values().sum::<usize>();
     let mut legend = vec![(BLACK, format!("chosen {}", kept.len())), (FIT, format!("fit {fit}"))];
     let drawn = counts
@@ -47,7 +40,7 @@ pub fn svg(title: &str, wish: &Wish, looks: &[Look], kept: &[Kept]) -> String {
     let drawing = Drawing {
         area: [-190.0, -175.0, 380.0, 350.0],
         label: title.to_owned(),
-        marks: marks(wish, &views, kept),
+        marks: marks(criteria, &views, kept),
     };
     figure(title, &Explained { legend, notes }, 1, vec![("", drawing)]).svg()
 }
@@ -64,15 +57,15 @@ fn hue(refusal: Refusal) -> Colour {
     }
 }
 
-fn marks(wish: &Wish, views: &[(&Viewpoint, Option<Refusal>)], kept: &[Kept]) -> Vec<Mark> {
+fn marks(criteria: &SelectionCriteria, views: &[(&Viewpoint, Option<Refusal>)], kept: &[SavedFrame]) -> Vec<Mark> {
     let far_mm = views
         .iter()
         .map(|(v, _)| ground_mm(v))
-        .chain(wish.bins.distance_mm.iter().copied())
+        .chain(criteria.bins.distance_mm.iter().copied())
         .fold(1.0, f64::max);
     let at = |v: &Viewpoint| place(v.azimuth_deg, FAR * ground_mm(v) / far_mm);
-    let step = wish.bins.azimuth_deg;
-    let centres = wish.bins.azimuth_centres();
+    let step = criteria.bins.azimuth_deg;
+    let centres = criteria.bins.azimuth_centres();
     let every = views.len().div_ceil(MOST_DOTS).max(1);
     let names = [("front", 0.0), ("left", 90.0), ("rear", 180.0), ("right", 270.0)];
     let mut marks = vec![Mark::circle([0.0; 2], RADIUS).outlined(FAINT, 1.0)];
@@ -90,12 +83,12 @@ fn marks(wish: &Wish, views: &[(&Viewpoint, Option<Refusal>)], kept: &[Kept]) ->
     marks
 }
 
-/// Distance of the camera from the middle of the model, on the ground, mm.
+/// Returns the distance of the camera from the middle of the model, on the ground, mm.
 fn ground_mm(v: &Viewpoint) -> f64 {
     v.distance_mm * v.pitch_deg.to_radians().cos()
 }
 
-/// Front up, counter-clockwise seen from above, so that the model's left side is on the left.
+/// Returns the point of an azimuth at a share of the radius: front up, counter-clockwise seen from above, so that the model's left side is on the left.
 fn place(azimuth_deg: f64, share: f64) -> [f64; 2] {
     let a = azimuth_deg.to_radians();
     [-RADIUS * share * a.sin(), -RADIUS * share * a.cos()]

@@ -7,9 +7,9 @@ use image::RgbImage;
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use crate::cache::FrameCache;
 use crate::choose::Chosen;
-use crate::hold::Held;
-use crate::look::Look;
+use crate::tracking::FrameResult;
 use scaleproof_capture::{Guidance, Judge, Measures, Sidecar, Tolerance, sidecar_of, slug};
 use scaleproof_core::files::{self, FileError, FileState};
 use scaleproof_core::geometry::rigid;
@@ -26,10 +26,10 @@ use scaleproof_video::{Frame, Planes, Selection, Video, VideoError};
 const QUALITY: u8 = 95;
 /// The longer side of a frame on the contact sheet, px.
 const THUMBNAIL_PX: u32 = 320;
-/// So often at most, frames that turn out unfit at full size are replaced by others.
+/// Maximum number of rounds in which frames that turn out unfit at full size are replaced by others.
 const MOST_ROUNDS: usize = 4;
 
-/// Why frames could not be kept.
+/// Reason why frames could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum KeepError {
     #[error(transparent)]
@@ -44,8 +44,17 @@ pub enum KeepError {
     Interrupted,
 }
 
+/// Photos that are made of frames: their texture, place and format.
+#[derive(Debug, Clone, Copy)]
+pub struct PhotosOf<'a> {
+    pub variant: &'a str,
+    pub place: &'a str,
+    /// PNG instead of JPEG.
+    pub png: bool,
+}
+
 /// Sources that the photos are made of.
-pub struct Keeper<'a> {
+pub struct FrameWriter<'a> {
     pub video: &'a Video,
     /// The video's name and SHA-256.
     pub hashed: (&'a str, &'a str),
@@ -54,31 +63,28 @@ pub struct Keeper<'a> {
     pub scene: &'a Scene,
     pub camera: &'a Camera,
     pub detector: TagDetectorChoice,
-    /// As frames were chosen by.
+    /// Largest blur by which frames were chosen, px (standard deviation).
     pub most_blur_px: f64,
-    pub variant: &'a str,
-    pub place: &'a str,
-    /// PNG instead of JPEG.
-    pub png: bool,
+    pub photos: PhotosOf<'a>,
     /// Frames that need not be decoded again.
-    pub held: &'a Held,
-    /// The viewpoints that frames were chosen for, where they were.
-    pub wanted: &'a [Viewpoint],
+    pub held: &'a FrameCache,
+    /// Viewpoints that frames were chosen for; empty if they were chosen by bins.
+    pub targets: &'a [Viewpoint],
 }
 
 /// A frame that is a photo now.
 #[derive(Debug, Clone)]
-pub struct Kept {
+pub struct SavedFrame {
     /// Its name in the folder.
     pub file: String,
-    /// Among those looked at.
+    /// Its index among the tracked frames.
     pub at: usize,
     pub frame: VideoFrame,
     pub bin: Bin,
     pub viewpoint: Viewpoint,
     pub sigma: Sigma,
     pub measures: Measures,
-    /// The wanted viewpoint it was chosen for, by its place, and how far its own is from that.
+    /// Index of the target viewpoint it was chosen for, and how far its own is from that.
     pub pair: Option<(usize, PairDifference)>,
     /// Advice to a photographer, a sentence, where the light of the frame is not right.
     pub advice: Option<String>,
@@ -107,8 +113,9 @@ impl PairDifference {
     }
 }
 
-/// These frames of a video, by their numbers in order. Each part begins where a frame was looked at, and no frame is decoded for two parts.
-fn parts(numbers: &[u64], looks: &[Look]) -> Vec<Selection> {
+/// Returns the parts of a video with these frames, given by their numbers in order. Each part begins at a tracked frame, and no frame is decoded for
+/// two parts.
+fn parts(numbers: &[u64], looks: &[FrameResult]) -> Vec<Selection> {
     let before = |number: u64| Some(&looks[looks.partition_point(|look| look.number <= number).checked_sub(1)?]);
     let key = |number: u64| before(number).map(|look| look.key);
     let parts = numbers.chunk_by(|one, next| key(*one) == key(*next));
@@ -121,7 +128,7 @@ fn parts(numbers: &[u64], looks: &[Look]) -> Vec<Selection> {
     parts.map(selection).collect()
 }
 
-/// All of some frames, or why there are none.
+/// Iterates over frames, or over the one error by which there are none.
 fn each<T>(
     frames: Result<impl Iterator<Item = Result<T, VideoError>>, VideoError>,
 ) -> impl Iterator<Item = Result<T, VideoError>> {
@@ -132,22 +139,22 @@ fn each<T>(
     frames.into_iter().flatten().chain(error)
 }
 
-impl Keeper<'_> {
+impl FrameWriter<'_> {
     /// Writes what is chosen into a new folder, whole or not at all; frames that turn out unfit are replaced as `choose` says without them. No folder
     /// is made for no frame.
     ///
     /// # Errors
-    /// The video breaks off; the folder cannot be written; `goes_on`, which is asked after each frame, says no.
+    /// The video breaks off; the folder cannot be written; `goes_on`, which is called after each frame, returns false.
     pub fn write(
         &self,
         folder: &Path,
-        looks: &[Look],
+        looks: &[FrameResult],
         choose: impl Fn(&BTreeSet<usize>) -> Vec<Chosen>,
-        goes_on: impl Fn() -> bool,
-    ) -> Result<Vec<Kept>, KeepError> {
+        mut goes_on: impl FnMut() -> bool,
+    ) -> Result<Vec<SavedFrame>, KeepError> {
         let mut outcome = Ok(Vec::new());
         let made = files::make_folder(folder, |inside| {
-            outcome = self.fill(inside, looks, &choose, &goes_on);
+            outcome = self.fill(inside, looks, &choose, &mut goes_on);
             let is_some = outcome.as_ref().is_ok_and(|kept| !kept.is_empty());
             is_some
                 .then_some(())
@@ -162,12 +169,12 @@ impl Keeper<'_> {
     fn fill(
         &self,
         folder: &Path,
-        looks: &[Look],
+        looks: &[FrameResult],
         choose: &impl Fn(&BTreeSet<usize>) -> Vec<Chosen>,
-        goes_on: &impl Fn() -> bool,
-    ) -> Result<Vec<Kept>, KeepError> {
+        goes_on: &mut impl FnMut() -> bool,
+    ) -> Result<Vec<SavedFrame>, KeepError> {
         let mut judge = Judge::new(self.scene, self.detector, false)?;
-        let (mut unfit, mut kept) = (BTreeSet::new(), BTreeMap::<usize, Kept>::new());
+        let (mut unfit, mut kept) = (BTreeSet::new(), BTreeMap::<usize, SavedFrame>::new());
         for _ in 0..MOST_ROUNDS {
             let chosen: BTreeMap<usize, Chosen> = choose(&unfit).into_iter().map(|one| (one.at, one)).collect();
             for (_, old) in kept.extract_if(.., |at, _| !chosen.contains_key(at)) {
@@ -201,11 +208,15 @@ impl Keeper<'_> {
         Ok(kept.into_values().collect())
     }
 
-    /// Frames by their numbers: those that are held, then the others as they are decoded.
-    fn frames(&self, numbers: &[u64], looks: &[Look]) -> impl Iterator<Item = Result<Frame<RgbImage>, VideoError>> {
+    /// Returns frames by their numbers: those that are cached, then the others as they are decoded.
+    fn frames(
+        &self,
+        numbers: &[u64],
+        looks: &[FrameResult],
+    ) -> impl Iterator<Item = Result<Frame<RgbImage>, VideoError>> {
         let look = |number: &u64| looks.binary_search_by_key(number, |look| look.number).ok();
         let held = |number: &u64| Some((looks[look(number)?], self.held.frame(*number)?.clone()));
-        let (held, planes): (Vec<Look>, Vec<Planes>) = numbers.iter().filter_map(held).unzip();
+        let (held, planes): (Vec<FrameResult>, Vec<Planes>) = numbers.iter().filter_map(held).unzip();
         let others: Vec<u64> = (numbers.iter().copied())
             .filter(|number| self.held.frame(*number).is_none())
             .collect();
@@ -245,15 +256,15 @@ impl Keeper<'_> {
         folder: &Path,
         frame: &Frame<RgbImage>,
         one: &Chosen,
-        look: &Look,
+        look: &FrameResult,
         judge: &mut Judge,
-    ) -> Result<Option<Kept>, KeepError> {
+    ) -> Result<Option<SavedFrame>, KeepError> {
         let turned_deg = self.video.turned_deg;
-        let (bytes, ending) = match self.png {
+        let (bytes, ending) = match self.photos.png {
             true => (photo::sensor_png(&frame.image, turned_deg), "png"),
             false => (photo::sensor_jpeg(&frame.image, turned_deg, QUALITY), "jpg"),
         };
-        let file = format!("{}_{:06}.{ending}", slug(self.variant), frame.number);
+        let file = format!("{}_{:06}.{ending}", slug(self.photos.variant), frame.number);
         let path = folder.join(&file);
         let no_image = || FileError::cannot_write(&path, "a frame of this size makes no image file");
         let photo = Photo::from_bytes(Path::new(&file), bytes.ok_or_else(no_image)?, Budget::FILE)?;
@@ -278,7 +289,7 @@ impl Keeper<'_> {
             number: frame.number,
             time_s: frame.time_s,
         };
-        let kept = Kept {
+        let kept = SavedFrame {
             at: one.at,
             bin: one.bin,
             viewpoint: located.viewpoint,
@@ -303,22 +314,22 @@ impl Keeper<'_> {
         Ok(Some(kept))
     }
 
-    /// The viewpoint that a frame was chosen for: another photo's, or the middle of its bin.
+    /// Returns the viewpoint that a frame was chosen for: another photo's, or the middle of its bin.
     fn target(&self, one: &Chosen) -> Viewpoint {
-        let wanted = one.pair.and_then(|(place, _)| self.wanted.get(place));
-        wanted.copied().unwrap_or(Viewpoint {
+        let target = one.pair.and_then(|(place, _)| self.targets.get(place));
+        target.copied().unwrap_or(Viewpoint {
             azimuth_deg: one.bin.azimuth_deg,
             pitch_deg: one.bin.pitch_deg,
             distance_mm: one.bin.distance_mm,
         })
     }
 
-    fn sidecar(&self, kept: &Kept, target: Viewpoint, located: &Located, sha256: String) -> Sidecar {
+    fn sidecar(&self, kept: &SavedFrame, target: Viewpoint, located: &Located, sha256: String) -> Sidecar {
         Sidecar {
             photo: PhotoEntry {
                 file: kept.file.clone(),
-                variant: self.variant.to_owned(),
-                place: Some(self.place.to_owned()),
+                variant: self.photos.variant.to_owned(),
+                place: Some(self.photos.place.to_owned()),
                 frame: Some(kept.frame.clone()),
                 ..PhotoEntry::default()
             },

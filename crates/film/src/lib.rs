@@ -1,21 +1,13 @@
 //! A video of a walk round the model becomes photos of a session.
-//!
-//! - [`look`]: where the camera stood in each frame, how sharp it is, and whether the whole model is in it; tracked from frame to frame;
-//! - [`motion`]: what the camera's motion in each frame adds to σ of its viewpoint;
-//! - [`choose`]: the best frames of each bin, or the nearest to other photos' viewpoints;
-//! - [`hold`]: those that may be chosen, held while the film is looked at;
-//! - [`pairs`]: the viewpoints that frames are to be pairs of;
-//! - [`keep`]: chosen frames in their colours, located once more the one way, and written;
-//! - [`walk`]: all of this for one video; [`cause`]: why its frames have no pose;
-//! - [`coverage`] and [`sheet`]: what was seen, chosen and refused, as pictures.
 
-pub mod cause;
-pub mod choose;
-pub mod coverage;
-pub mod hold;
-pub mod keep;
-pub mod look;
-pub mod motion;
-pub mod pairs;
-pub mod sheet;
-pub mod walk;
+pub mod cache; // decoded frames that may be chosen, in memory
+pub mod cause; // the one cause why a walk's frames have no pose
+pub mod choose; // the best frames of each bin, or the nearest to other photos' viewpoints
+pub mod coverage; // the camera's way round the model, as a picture
+pub mod keep; // chosen frames in their colours, located once more the one way, and written
+pub mod motion; // share of the camera's motion in σ of a viewpoint
+pub mod pairs; // viewpoints of another texture's photos, as targets
+pub mod session; // from a video's file to the session on disk
+pub mod sheet; // contact sheet of the chosen frames
+pub mod tracking; // pose and sharpness of each frame, tracked from frame to frame
+pub mod walk; // frames looked at, chosen and kept

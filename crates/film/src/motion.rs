@@ -2,7 +2,7 @@
 //!
 //! The rows of a frame are read one after the other (rolling shutter), and no header says how long that takes: tags are seen up to half of it before or after the middle row.
 
-use crate::look::{Look, View};
+use crate::tracking::{FrameResult, View};
 use scaleproof_core::geometry::angle::turn;
 use scaleproof_pose::locate::Sigma;
 use scaleproof_pose::scene::Viewpoint;
@@ -12,8 +12,9 @@ const READ_OUT_S: f64 = 0.03;
 /// Frames further away than this, s, say nothing of a frame's motion.
 const REACH_S: f64 = 0.25;
 
-/// Sets it for the last frame but one of those with a pose, when the last of all frames has one; `None` stays where frames before or after are too far away.
-pub fn set(looks: &mut [Look]) {
+/// Sets the motion of the last frame but one of those with a pose, when the last of all frames has one; it stays `None` if the frames before or after
+/// are too far away.
+pub fn set_motion(looks: &mut [FrameResult]) {
     if looks.last().is_none_or(|last| last.shows.is_err()) {
         return;
     }
@@ -32,7 +33,7 @@ pub fn set(looks: &mut [Look]) {
     }
 }
 
-/// Motion of the viewpoint in half the read-out, taken as one standard deviation. The speed is the root mean square of those to both sides: a hand that turns
+/// Returns the motion of the viewpoint in half the read-out, taken as one standard deviation. The speed is the root mean square of those to both sides: a hand that turns
 /// back does not stand still.
 fn moved(at: &Viewpoint, sides: &[(&Viewpoint, f64); 2]) -> Sigma {
     let sigma = |way: &dyn Fn(&Viewpoint) -> f64| {

@@ -1,4 +1,4 @@
-//! The viewpoints of photos of another texture at the same place, which frames are to be pairs of.
+//! Target viewpoints: those of another texture's photos at the same place, of which frames are to be pairs.
 
 use std::collections::BTreeSet;
 
@@ -8,9 +8,9 @@ use scaleproof_pose::scene::Viewpoint;
 use scaleproof_pose::tags::{StartError, TagDetectorChoice};
 use scaleproof_session::{PhotoEntry, Session};
 
-/// Photos of one texture with their viewpoints.
+/// Photos of one texture with their viewpoints, as targets.
 #[derive(Debug, Clone, Default)]
-pub struct Wanted {
+pub struct TargetViews {
     /// The texture; empty where there is nothing to pair with.
     pub variant: String,
     /// Names in the session.
@@ -21,9 +21,9 @@ pub struct Wanted {
     pub faults: Vec<String>,
 }
 
-impl Wanted {
-    /// Those of a session's `normal` photos at a place, or of the only other texture there; none for the texture itself, and where several others
-    /// leave it open.
+impl TargetViews {
+    /// Returns the viewpoints of a session's `normal` photos at a place, or of the only other texture there; none for the texture itself, and if there
+    /// are several others.
     ///
     /// # Errors
     /// The tag detector does not start.
@@ -32,13 +32,13 @@ impl Wanted {
         variant: &str,
         place: &str,
         detector: TagDetectorChoice,
-    ) -> Result<Wanted, StartError> {
+    ) -> Result<TargetViews, StartError> {
         let is_other = |photo: &&PhotoEntry| photo.variant != variant && photo.place.as_deref() == Some(place);
         let others: Vec<&PhotoEntry> = session.photos.iter().filter(is_other).collect();
         let variants: BTreeSet<&str> = others.iter().map(|photo| photo.variant.as_str()).collect();
         let only = variants.first().filter(|_| variants.len() == 1);
         let Some(paired) = variants.get(NORMAL).or(only) else {
-            return Ok(Wanted::default());
+            return Ok(TargetViews::default());
         };
         let photos: Vec<&PhotoEntry> = others.into_iter().filter(|photo| photo.variant == *paired).collect();
         let found = workers::map(
@@ -47,19 +47,19 @@ impl Wanted {
             |tags, photo| Ok::<_, StartError>(viewpoint(session, photo, tags)),
             || {},
         )?;
-        let mut wanted = Wanted {
+        let mut targets = TargetViews {
             variant: (*paired).to_owned(),
-            ..Wanted::default()
+            ..TargetViews::default()
         };
         for (photo, found) in photos.iter().zip(found) {
             match found {
                 Ok(viewpoint) => {
-                    wanted.files.push(photo.file.clone());
-                    wanted.viewpoints.push(viewpoint);
+                    targets.files.push(photo.file.clone());
+                    targets.viewpoints.push(viewpoint);
                 }
-                Err(reason) => wanted.faults.push(format!("{}: {reason}", photo.file)),
+                Err(reason) => targets.faults.push(format!("{}: {reason}", photo.file)),
             }
         }
-        Ok(wanted)
+        Ok(targets)
     }
 }

@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use image::{ImageFormat, Rgb, RgbImage, imageops};
 
-use crate::keep::Kept;
+use crate::keep::SavedFrame;
 use scaleproof_core::geometry::angle::direction_text;
 use scaleproof_photo::draw::{LabelAnchor, Lettering, label};
 
@@ -18,12 +18,12 @@ const INK: Lettering = Lettering {
 };
 /// Frames beside each other.
 const ACROSS: usize = 4;
-/// More are left out: the sheet is to be looked at.
+/// Maximum number of frames on the sheet; more could not be looked through.
 const MOST: usize = 400;
 
-/// The sheet as a PNG, by bin and time; `None` without frames.
-pub fn png(kept: &[Kept]) -> Option<Vec<u8>> {
-    let mut kept: Vec<&Kept> = kept.iter().take(MOST).collect();
+/// Draws the sheet as a PNG, by bin and time; `None` without frames.
+pub fn png(kept: &[SavedFrame]) -> Option<Vec<u8>> {
+    let mut kept: Vec<&SavedFrame> = kept.iter().take(MOST).collect();
     kept.sort_by(|a, b| a.bin.cmp(&b.bin).then(a.frame.number.cmp(&b.frame.number)));
     let width = kept.iter().map(|one| one.thumbnail.width()).max()?;
     let height = kept.iter().map(|one| one.thumbnail.height()).max()?;
@@ -45,7 +45,7 @@ pub fn png(kept: &[Kept]) -> Option<Vec<u8>> {
     Some(bytes)
 }
 
-fn words(one: &Kept) -> String {
+fn words(one: &SavedFrame) -> String {
     let blur = one.measures.blur_px.map_or(String::new(), |px| format!(", {px:.1} px"));
     let pair = one
         .pair

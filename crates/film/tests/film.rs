@@ -1,16 +1,16 @@
 //! The crate's tests: which frames are chosen. The stored walk is tested through the program.
 
-#[path = "film/hold.rs"]
-mod hold;
-#[path = "film/look.rs"]
-mod look;
+#[path = "film/cache.rs"]
+mod cache;
 #[path = "film/motion.rs"]
 mod motion;
+#[path = "film/tracking.rs"]
+mod tracking;
 
 use proptest::prelude::*;
 
-use scaleproof_film::choose::{Refusal, Wish, apart_deg, refused};
-use scaleproof_film::look::{Look, Unplaced, View};
+use scaleproof_film::choose::{Refusal, SelectionCriteria, apart_deg, count_refusals};
+use scaleproof_film::tracking::{FrameResult, NoPose, View};
 use scaleproof_pose::locate::Sigma;
 use scaleproof_pose::scene::{Bins, Viewpoint};
 
@@ -22,8 +22,8 @@ fn bins() -> Bins {
     }
 }
 
-fn wish(bins: &Bins, per_bin: usize) -> Wish<'_> {
-    Wish {
+fn criteria(bins: &Bins, per_bin: usize) -> SelectionCriteria<'_> {
+    SelectionCriteria {
         bins,
         most_blur_px: 3.0,
         per_bin,
@@ -32,8 +32,8 @@ fn wish(bins: &Bins, per_bin: usize) -> Wish<'_> {
 }
 
 /// A frame that could be chosen, but for what a test changes.
-fn frame(number: u64, azimuth_deg: f64, blur_px: f64) -> Look {
-    Look {
+fn frame(number: u64, azimuth_deg: f64, blur_px: f64) -> FrameResult {
+    FrameResult {
         number,
         time_s: number as f64 / 10.0,
         key: 0,
@@ -55,16 +55,16 @@ fn frame(number: u64, azimuth_deg: f64, blur_px: f64) -> Look {
     }
 }
 
-fn with(look: Look, change: impl Fn(&mut View)) -> Look {
+fn with(look: FrameResult, change: impl Fn(&mut View)) -> FrameResult {
     let mut view = look.shows.unwrap();
     change(&mut view);
-    Look {
+    FrameResult {
         shows: Ok(view),
         ..look
     }
 }
 
-fn moving(look: Look, azimuth_deg: f64) -> Look {
+fn moving(look: FrameResult, azimuth_deg: f64) -> FrameResult {
     with(look, |view| {
         view.moved = view.moved.map(|moved| Sigma { azimuth_deg, ..moved })
     })
@@ -76,22 +76,22 @@ fn each_fault_is_named() {
     let good = frame(0, 10.0, 0.6);
     let cases = [
         (
-            Look {
-                shows: Err(Unplaced::NoTags),
+            FrameResult {
+                shows: Err(NoPose::NoTags),
                 ..good
             },
             Refusal::NoTags,
         ),
         (
-            Look {
-                shows: Err(Unplaced::Unsure),
+            FrameResult {
+                shows: Err(NoPose::Unsure),
                 ..good
             },
             Refusal::Unsure,
         ),
         (
-            Look {
-                shows: Err(Unplaced::Blurred),
+            FrameResult {
+                shows: Err(NoPose::Blurred),
                 ..good
             },
             Refusal::Blurred,
@@ -104,12 +104,15 @@ fn each_fault_is_named() {
         (with(good, |v| v.viewpoint.distance_mm = 700.0), Refusal::Distance),
         (with(good, |v| v.bin_probability = 0.9), Refusal::BinEdge),
     ];
-    assert_eq!(wish(&bins, 1).refusal(&good), None);
+    assert_eq!(criteria(&bins, 1).refusal(&good), None);
     for (look, expected) in cases {
-        assert_eq!(wish(&bins, 1).refusal(&look), Some(expected));
+        assert_eq!(criteria(&bins, 1).refusal(&look), Some(expected));
     }
-    let looks: Vec<Look> = cases.iter().map(|(look, _)| *look).chain([good]).collect();
-    assert_eq!(refused(&wish(&bins, 1), &looks).values().sum::<usize>(), cases.len());
+    let looks: Vec<FrameResult> = cases.iter().map(|(look, _)| *look).chain([good]).collect();
+    assert_eq!(
+        count_refusals(&criteria(&bins, 1), &looks).values().sum::<usize>(),
+        cases.len()
+    );
 }
 
 #[test]
@@ -125,7 +128,7 @@ fn the_sharpest_of_each_bin_are_chosen_apart_in_time() {
         frame(9, 60.0, 1.4),
     ];
     let numbers = |per_bin| -> Vec<u64> {
-        wish(&bins, per_bin)
+        criteria(&bins, per_bin)
             .best(&looks)
             .iter()
             .map(|one| looks[one.at].number)
@@ -146,7 +149,7 @@ fn pairs_are_the_nearest_and_no_frame_serves_two() {
     };
     // The first two want frame 0; the nearer one gets it. The last is 9° from any frame.
     let wanted = [at(0.0), at(1.2), at(59.0)];
-    let chosen = wish(&bins, 1).nearest(&looks, &wanted);
+    let chosen = criteria(&bins, 1).nearest(&looks, &wanted);
     let pairs: Vec<(usize, usize)> = chosen.iter().map(|one| (one.at, one.pair.unwrap().0)).collect();
     assert_eq!(pairs, [(0, 1), (1, 0)]);
 }
@@ -174,7 +177,7 @@ fn a_bin_has_blurred_frames_only_where_it_has_no_sharp_one() {
         frame(40, 90.0, 2.0),
         frame(50, 100.0, 2.9),
     ];
-    let chosen: Vec<usize> = wish(&bins, 3).best(&looks).iter().map(|one| one.at).collect();
+    let chosen: Vec<usize> = criteria(&bins, 3).best(&looks).iter().map(|one| one.at).collect();
     assert_eq!(chosen, [1, 2, 4]);
 }
 
@@ -186,8 +189,8 @@ proptest! {
     ) {
         let bins = bins();
         let look = |(n, (azimuth, blur)): (u64, &(f64, f64))| frame(10 * n, *azimuth, *blur);
-        let looks: Vec<Look> = (0..).zip(&walk).map(look).collect();
-        for one in wish(&bins, per_bin).best(&looks) {
+        let looks: Vec<FrameResult> = (0..).zip(&walk).map(look).collect();
+        for one in criteria(&bins, per_bin).best(&looks) {
             let (azimuth, blur) = walk[one.at];
             let is_beside = |other: &(f64, f64)| {
                 let turn = (other.0 - azimuth).abs();

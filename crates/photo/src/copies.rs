@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use image::RgbImage;
 use image::codecs::jpeg::JpegEncoder;
 use scaleproof_core::files::{self, FileError};
+use scaleproof_core::message::{Message, bail, message};
 
 use crate::PhotoError;
 
@@ -24,24 +25,16 @@ pub enum CopiesError {
     File(#[from] FileError),
     #[error(transparent)]
     Photo(#[from] PhotoError),
-    #[error("{path} cannot be encoded as JPEG", path = path.display())]
-    Encode { path: PathBuf },
-    #[error("{path} is in the way: no earlier run has drawn it; name another folder with {option}", path = path.display())]
-    InTheWay { path: PathBuf, option: &'static str },
-    #[error("{folder} holds the photo {photo}: name another folder with {option}", folder = folder.display(), photo = photo.display())]
-    AmongPhotos {
-        folder: PathBuf,
-        photo: PathBuf,
-        option: &'static str,
-    },
+    #[error(transparent)]
+    Message(#[from] Message),
 }
 
-/// Returns the path of each photo's copy in `folder`; `option` is the name of the option for messages. `named` makes a file name from the photo's own
-/// without its ending, and a number from 1 for those of the same name.
+/// Returns the path of each photo's copy in `folder`; `setting` is the name of the folder's setting, for hints. `named` makes a file name from the
+/// photo's own without its ending, and a number from 1 for those of the same name.
 pub fn places(
     folder: &Path,
     photos: &[PathBuf],
-    option: &'static str,
+    setting: &str,
     named: impl Fn(&str, u32) -> String,
 ) -> Result<Vec<PathBuf>, CopiesError> {
     let whole = folder.canonicalize();
@@ -50,11 +43,8 @@ pub fn places(
         whole.as_ref().is_ok_and(|whole| parent.as_ref() == Some(whole))
     };
     if let Some(photo) = photos.iter().find(holds) {
-        return Err(CopiesError::AmongPhotos {
-            folder: folder.to_owned(),
-            photo: photo.clone(),
-            option,
-        });
+        let (folder, photo) = (folder.display(), photo.display());
+        bail!("{folder} holds the photo {photo}"; hint: "name another folder by ‹{setting}›");
     }
     let mut taken = BTreeSet::new();
     let mut free_name = |photo: &PathBuf| {
@@ -71,10 +61,10 @@ pub fn places(
         .iter()
         .find(|place| place.symlink_metadata().is_ok() && !is_drawn(place))
     {
-        Some(path) => Err(CopiesError::InTheWay {
-            path: path.clone(),
-            option,
-        }),
+        Some(path) => {
+            let path = path.display();
+            bail!("{path} is in the way: no earlier run has drawn it"; hint: "name another folder by ‹{setting}›")
+        }
         None => Ok(files::check_writable(folder).map(|()| places)?),
     }
 }
@@ -83,7 +73,7 @@ pub fn places(
 pub fn write(place: &Path, image: &RgbImage) -> Result<(), CopiesError> {
     let mut jpeg = Vec::new();
     let encoded = JpegEncoder::new_with_quality(&mut jpeg, QUALITY).encode_image(image);
-    encoded.map_err(|_| CopiesError::Encode { path: place.to_owned() })?;
+    encoded.map_err(|_| message!("{} cannot be encoded as JPEG", place.display()))?;
     Ok(files::replace_all_atomically(
         files::folder_of(place),
         &[(place, marked(&jpeg))],

@@ -9,6 +9,7 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, RgbImage};
 use super::budget::{Budget, DecodeCost};
 use super::exif_tags;
 use super::jpeg::{Coefficients, Colours, Frame, JpegError};
+use super::orientation::lies_across;
 use super::problem::DecodeProblem;
 
 /// Returns the kind of an HEIF file (ISO 23008-12, 10: its brands), by its initial `ftyp` box.
@@ -30,21 +31,6 @@ pub(super) fn heif_kind(bytes: &[u8]) -> Option<&'static str> {
 
 /// Maximum length of an `ftyp` box, bytes: files name a handful of brands, 4 bytes each.
 const LONGEST_FTYP: usize = 1024;
-
-/// Returns true if an orientation swaps width and height.
-fn lies_across(orientation: Orientation) -> bool {
-    turned_deg(orientation) % 180 == 90
-}
-
-/// Returns the clockwise rotation that makes the sensor's image upright, degrees; mirroring, done by software before, is ignored.
-pub(super) fn turned_deg(orientation: Orientation) -> u32 {
-    match orientation {
-        Orientation::NoTransforms | Orientation::FlipHorizontal => 0,
-        Orientation::Rotate90 | Orientation::Rotate270FlipH => 90,
-        Orientation::Rotate180 | Orientation::FlipVertical => 180,
-        Orientation::Rotate270 | Orientation::Rotate90FlipH => 270,
-    }
-}
 
 #[derive(Debug)]
 pub(super) struct Header {

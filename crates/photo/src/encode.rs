@@ -7,7 +7,8 @@ use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, RgbImage, imageops};
 use jpeg_encoder::ChromaSubsamplingMethod;
 
-use super::{Budget, Photo};
+use super::budget::Budget;
+use super::photo::Photo;
 
 /// Encodes a picture as JPEG for display; `None` if it is wider or higher than 65,535 px, or empty.
 pub fn preview_jpeg(picture: &RgbImage, quality: u8) -> Option<Vec<u8>> {

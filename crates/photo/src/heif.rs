@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use super::{Budget, PhotoError};
+use super::budget::Budget;
+use super::error::PhotoError;
 use scaleproof_core::files;
 
 /// Names of libheif's command, the newer one first: `heif-dec`.

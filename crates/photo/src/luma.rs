@@ -7,8 +7,7 @@ use std::ops::Deref;
 use image::metadata::Orientation;
 use image::{GrayImage, ImageBuffer, imageops};
 
-use super::REDUCTIONS;
-use super::jpeg::Coefficients;
+use super::jpeg::{Coefficients, REDUCTIONS};
 
 /// Luma of an upright image.
 pub trait Luma {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::PhotoError;
+use super::error::PhotoError;
 
 /// Fault in the bytes of an image, as a clause.
 #[derive(Debug, PartialEq, thiserror::Error)]

@@ -1,7 +1,8 @@
 //! Chart that a page shows inline, and that is also a file, SVG or PDF: by itself or beside others.
 
-use super::Anchor::{Middle, Start};
-use super::{Colour, INK, Mark, NOTE};
+use super::mark::Anchor::{Middle, Start};
+use super::mark::{Colour, Mark};
+use super::series::{INK, NOTE};
 
 const CAPTION: f64 = 20.0;
 const LEGEND: f64 = 26.0;

@@ -2,9 +2,6 @@
 //!
 //! Colours are those of Okabe & Ito (2008), which people with colour blindness can distinguish.
 //!
-//! - here: the elements of charts ([`Mark`]), charts ([`scatter()`], [`panels()`], [`figure()`]), written as SVG and PDF ([`Drawing`]), and pages;
-//! - [`lettering`]: width of text, of charts and sheets alike; [`pdf`]: common parts of all PDFs.
-//!
 //! ```
 //! use scaleproof_plot::{Drawing, Mark, colour};
 //!
@@ -15,16 +12,17 @@
 //! # Ok::<(), scaleproof_plot::pdf::PdfError>(())
 //! ```
 
-mod axis;
-mod chart_pdf;
-mod drawing;
-pub mod lettering;
-mod mark;
-mod page;
-mod panels;
-pub mod pdf;
-mod scatter;
-mod svg;
+mod axis; // scales, ticks and their labels
+mod chart_pdf; // drawings as PDF
+mod drawing; // marks with the visible part of their plane; several in a figure
+pub mod lettering; // width of text
+mod mark; // elements of charts
+mod page; // plain HTML pages
+mod panels; // many small charts of sweeps
+pub mod pdf; // common parts of all PDFs
+mod scatter; // dots over two axes
+mod series; // names and colours of series
+mod svg; // drawings as SVG
 
 pub use axis::{PlotAxis, Scale, tick_label};
 pub use drawing::{Drawing, Explained, figure};
@@ -32,32 +30,5 @@ pub use mark::{Anchor, Colour, Mark, Shape, Text};
 pub use page::{html_page, plain_page};
 pub use panels::{PlotLine, PlotPanel, panels};
 pub use scatter::{Cloud, Dot, scatter, sector};
+pub use series::{BLACK, FAINT, INK, NOTE, WHITE, colour, distinct};
 pub use svg::markup;
-
-/// Colours of the series, in their order; an eleventh series starts over. The last two are Paul Tol's wine and grey.
-#[rustfmt::skip]
-const COLOURS: [u32; 10] = [
-    0x0072b2, 0xd55e00, 0x009e73, 0xcc79a7, 0xe69f00, 0x56b4e9, 0x000000, 0x8c6d00, 0x882255, 0x9a9a9a,
-];
-pub const BLACK: Colour = Colour(0x000000);
-pub const WHITE: Colour = Colour(0xffffff);
-/// Colour of primary text.
-pub const INK: Colour = Colour(0x1b1f24);
-/// Colour of explanatory text.
-pub const NOTE: Colour = Colour(0x5b6573);
-/// Colour of grid lines.
-pub const FAINT: Colour = Colour(0xd7dce2);
-
-pub fn colour(series: usize) -> Colour {
-    Colour(COLOURS[series % COLOURS.len()])
-}
-
-/// Returns each distinct name once, in the order of first occurrence.
-pub fn distinct<T: PartialEq>(names: impl IntoIterator<Item = T>) -> Vec<T> {
-    names.into_iter().fold(Vec::new(), |mut known, name| {
-        if !known.contains(&name) {
-            known.push(name);
-        }
-        known
-    })
-}

@@ -1,8 +1,10 @@
 //! Page of many small charts: each a sweep of one condition, with several lines.
 
-use super::Anchor::{End, Middle, Start};
-use super::axis::tick_label;
-use super::{Drawing, FAINT, INK, Mark, NOTE, PlotAxis, colour};
+use super::axis::{PlotAxis, tick_label};
+use super::drawing::Drawing;
+use super::mark::Anchor::{End, Middle, Start};
+use super::mark::Mark;
+use super::series::{FAINT, INK, NOTE, colour};
 
 /// Line of a panel: values along the panel's x, with gaps where nothing was measured.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,9 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use super::Anchor::{End, Middle, Start};
-use super::axis::tick_label;
-use super::{Drawing, FAINT, INK, Mark, NOTE, PlotAxis, WHITE, colour};
+use super::axis::{PlotAxis, tick_label};
+use super::drawing::Drawing;
+use super::mark::Anchor::{End, Middle, Start};
+use super::mark::Mark;
+use super::series::{FAINT, INK, NOTE, WHITE, colour};
 
 /// Outlines of the marks, the n-th for the n-th shape; the first is a circle, and a sixth shape starts over.
 const OUTLINES: [&[[f64; 2]]; 5] = [

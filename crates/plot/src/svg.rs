@@ -2,8 +2,9 @@
 
 use maud::{Markup, PreEscaped, html};
 
+use super::drawing::Drawing;
 use super::mark::{Mark, Shape, Text};
-use super::{Drawing, WHITE};
+use super::series::WHITE;
 
 impl Drawing {
     /// Returns the SVG for a page, whose style sets its size by the class.

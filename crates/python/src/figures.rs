@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use scaleproof_core::ap::{ApDefinition, ImageBoxes, average_precision_as, over_ious};
 use scaleproof_core::geometry::BoxPx;
 
-use crate::{refused, unpanicked};
+use crate::error::{refused, unpanicked};
 
 /// Truths, crowd regions, and (confidence, box) of one image; boxes are left, top, right, bottom, px.
 type Image = (Vec<[f64; 4]>, Vec<[f64; 4]>, Vec<(f64, [f64; 4])>);

@@ -9,7 +9,7 @@ use scaleproof_frames::surrogate::projection::{Grid, Projection};
 use scaleproof_frames::surrogate::renderer::{ClosedForm, FlatImage, PerPixel, Renderer};
 use scaleproof_frames::{Frame, FrameSet, views};
 
-use crate::{Error, refused, unpanicked};
+use crate::error::{Error, refused, unpanicked};
 
 /// A set of frames.
 #[pyclass(frozen, module = "scaleproof._native")]

@@ -10,8 +10,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use scaleproof_detect::{CalledDetector, Callee, ForeignCard, ForeignKind, FoundBox, FoundLabel};
 
+use crate::error::{Error, refused};
 use crate::watched::Event;
-use crate::{Error, refused};
 
 /// A function of Python and what is known of it, as `scaleproof.Detector` hands it over.
 #[derive(FromPyObject)]

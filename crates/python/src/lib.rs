@@ -3,50 +3,27 @@
 //! Everything that a Python user meets is in `python/scaleproof`, which checks values, knows numpy and makes classes of what comes from here: JSON as
 //! the program prints it, bytes of arrays, and sentences. Nothing here holds Python's lock while it works, and every panic ends as an exception.
 
-mod figures;
-mod frames;
-mod function;
-mod locating;
-mod pattern;
-mod scoring;
-mod watched;
+mod error; // the module's exception, and panics as one
+mod figures; // average precision of plain boxes
+mod frames; // the surrogate renderer of a view, as arrays
+mod function; // a Python function as a detector
+mod locating; // poses of photos
+mod pattern; // patterns as arrays, and their files
+mod scoring; // photos scored and compared
+mod watched; // work that Ctrl-C stops
 
 use std::ffi::OsString;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 
-use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use scaleproof::in_process;
 
+use error::{Error, unpanicked};
+
 /// Photos in large pages.
 #[global_allocator]
 static ALLOCATOR: scaleproof_core::workers::memory::LargePages = scaleproof_core::workers::memory::LargePages;
-
-pyo3::create_exception!(
-    scaleproof,
-    Error,
-    PyException,
-    "Why something could not be done: one sentence, as the program says it."
-);
-
-/// An error of the library as the exception, with the program's advice.
-fn refused(e: impl std::error::Error + 'static) -> PyErr {
-    Error::new_err(in_process::sentence(&e))
-}
-
-/// Work whose panic is an error.
-fn unpanicked<T>(work: impl FnOnce() -> T) -> PyResult<T> {
-    catch_unwind(AssertUnwindSafe(work)).map_err(|panic| {
-        let text = panic.downcast_ref::<String>().map(String::as_str);
-        let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
-        Error::new_err(format!(
-            "scaleproof failed, which is a fault of its own: {}; please report it",
-            text.unwrap_or("a panic")
-        ))
-    })
-}
 
 /// Prepares the process; `module` is the file of this module.
 #[pyfunction]

@@ -16,8 +16,8 @@ use scaleproof_pose::locate::{LocatedPhoto, locate_luma, locate_photo};
 use scaleproof_pose::tags::{TagDetector, TagDetectorChoice};
 use scaleproof_session::envelope::EnvelopeShape;
 
+use crate::error::{Error, refused, unpanicked};
 use crate::watched::{self, Course, Event};
-use crate::{Error, refused, unpanicked};
 
 /// A scene file, and the model's outline.
 #[pyclass(frozen, module = "scaleproof._native")]

@@ -9,7 +9,7 @@ use scaleproof_core::files;
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::card::Card;
 
-use crate::{Error, refused, unpanicked};
+use crate::error::{Error, refused, unpanicked};
 
 /// Columns, rows, colours (red, green, blue; row by row) and SHA-256 of a pattern's file.
 #[pyfunction]

@@ -10,9 +10,9 @@ use scaleproof::in_process::{self, Watch};
 use scaleproof_score as score;
 use scaleproof_score::report;
 
+use crate::error::{Error, refused, unpanicked};
 use crate::function::{self, Function};
 use crate::watched::{self, Course};
-use crate::{Error, refused, unpanicked};
 
 /// What a scoring run found.
 #[pyclass(frozen, module = "scaleproof._native")]

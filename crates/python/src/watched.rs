@@ -8,7 +8,7 @@ use std::time::Duration;
 use pyo3::prelude::*;
 use scaleproof_core::workers::interruption;
 
-use crate::unpanicked;
+use crate::error::unpanicked;
 
 /// Ctrl-C is looked for this often.
 const EVERY: Duration = Duration::from_millis(50);

@@ -39,10 +39,8 @@ impl Cache {
     /// Opens the cache in a folder, which need not exist yet. Results of another build of this program, or with other `libraries`, are never taken.
     pub fn open(folder: &Path, libraries: &str) -> Result<Cache, files::FileError> {
         files::check_writable(folder)?;
-        let program = std::env::current_exe().map_err(|e| files::FileError::Read {
-            path: "the program's own file".into(),
-            reason: files::plain(&e),
-        })?;
+        let program =
+            std::env::current_exe().map_err(|e| files::FileError::read("the program's own file".as_ref(), &e))?;
         Ok(Cache {
             folder: folder.to_owned(),
             program: format!("{}\n{libraries}", files::sha256_hex(&files::read(&program)?)),

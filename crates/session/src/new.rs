@@ -217,10 +217,7 @@ fn is_free(folder: &Path) -> Result<bool, FileError> {
 
 /// Returns the absolute path, without links, of a folder that need not exist yet.
 fn real_place(folder: &Path) -> Result<PathBuf, FileError> {
-    let failed = |reason: String| FileError::Write {
-        path: folder.to_owned(),
-        reason,
-    };
+    let failed = |reason: String| FileError::cannot_write(folder, reason);
     let whole = std::path::absolute(folder).map_err(|e| failed(files::plain(&e)))?;
     for there in whole.ancestors() {
         let Ok(real) = there.canonicalize() else { continue };

@@ -7,5 +7,5 @@
 //! assert!(view_steps() > 40 && photo_steps(16) > 400);
 //! ```
 
-pub mod advise;
-pub mod chart;
+pub mod advise; // the smallest way that a session needs, by left-out tags
+pub mod chart; // methods compared on the same photos, and driven until they break

@@ -1,9 +1,5 @@
 //! Output to a terminal: notes, errors and progress, in which no foreign text moves the cursor.
 //!
-//! - [`say!`]: one sentence on standard error, unless it is a note and `--quiet` was given;
-//! - [`Visible`]: a writer that shows control characters by their numbers;
-//! - [`progress`]: a bar in a terminal, and a plain line every few seconds elsewhere.
-//!
 //! ```
 //! use std::io::Write;
 //! use scaleproof_terminal::Visible;
@@ -13,7 +9,7 @@
 //! assert_eq!(out, b"a\\u001b[2Jb");
 //! ```
 
-pub mod progress;
-mod say;
+pub mod progress; // a bar in a terminal, a plain line every few seconds elsewhere
+mod say; // sentences on standard error; control characters shown by their numbers
 
 pub use say::{Visible, be_quiet, is_quiet, say};

@@ -11,6 +11,7 @@ use crate::log::{ELSEWHERE, Said, Teller, listen, plain};
 use crate::probe::{MOST_MEGAPIXELS, Range};
 use crate::program::{Running, command, drain, every_frame_option, version};
 use crate::{Video, VideoError};
+use scaleproof_core::message::message;
 
 /// So many frames wait between ffmpeg and whoever takes them, besides those that ffmpeg holds itself.
 const AHEAD: usize = 1;
@@ -269,9 +270,7 @@ impl<P: Pixels> Frames<P> {
             .args(output_arguments::<P>(selection, &filter, &teller));
         let mut running = Running::start(command, "ffmpeg", &name)?.bounded(video.input.most_memory);
         let (Some(stdout), Some(stderr)) = (running.0.stdout.take(), running.0.stderr.take()) else {
-            let reason = "it has no output".to_owned();
-            let program = "ffmpeg";
-            return Err(VideoError::NotStarted { name, program, reason });
+            return Err(VideoError::not_started(&name, "ffmpeg", "it has no output"));
         };
         let end_s = selection.to_s.into_iter().chain(video.duration_s).reduce(f64::min);
         Ok(Frames {
@@ -402,8 +401,12 @@ impl<P: Pixels> Frames<P> {
     fn damaged(&self) -> VideoError {
         let name = self.name.clone();
         if let Err(reason) = takes::<P>(&self.selection, &self.filter, self.video.range) {
-            let version = version().to_owned();
-            return VideoError::OtherDecoder { name, version, reason };
+            let version = version();
+            return message!(
+                "{name} was not decoded: ffmpeg {version} does not take what this program tells it ({reason}): install another (5.1 to 9.0 were \
+                 tried)"
+            )
+            .into();
         }
         VideoError::Damaged {
             name,

@@ -14,13 +14,13 @@
 //! # Ok::<(), scaleproof_video::VideoError>(())
 //! ```
 
-mod fault;
-mod frames;
-mod input;
-pub mod log;
-mod planes;
-mod probe;
-mod program;
+mod fault; // reasons why a video gives no (more) frames
+mod frames; // the frames, one after another
+mod input; // what ffmpeg reads
+pub mod log; // ffmpeg's lines: times of frames, and errors
+mod planes; // pictures as the decoder leaves them: luma now, colours later
+mod probe; // a video's description before a frame is decoded
+mod program; // ffmpeg and ffprobe: found, started, ended
 
 pub use fault::VideoError;
 pub use frames::{Frame, Frames, Pixels, Selection};

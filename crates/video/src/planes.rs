@@ -13,6 +13,7 @@ use image::{GrayImage, ImageBuffer, RgbImage};
 use crate::frames::{Filter, images, widen};
 use crate::program::{Running, command, drain, every_frame_option};
 use crate::{Frame, Frames, Pixels, Selection, Video, VideoError};
+use scaleproof_core::message::message;
 use scaleproof_photo::{Luma, mean_squares};
 
 /// A conversion takes some 50 ms a frame.
@@ -191,8 +192,7 @@ impl Video {
         let left = pictures.len();
         let pipes = running.0.stdin.take().zip(running.0.stdout.take());
         let Some((mut stdin, stdout)) = pipes else {
-            let (program, reason) = ("ffmpeg", "it has no input or output".to_owned());
-            return Err(VideoError::NotStarted { name, program, reason });
+            return Err(VideoError::not_started(&name, "ffmpeg", "it has no input or output"));
         };
         drain(running.0.stderr.take(), MOST_SAID);
         // Ends when all are written, or when ffmpeg is ended.
@@ -224,8 +224,7 @@ impl Iterator for Colours {
         if image.is_err() {
             self.left = 0;
         }
-        Some(image.map_err(|_| VideoError::NotConverted {
-            name: self.name.clone(),
-        }))
+        let name = &self.name;
+        Some(image.map_err(|_| message!("ffmpeg gave no colours of frames of {name}: call this again").into()))
     }
 }

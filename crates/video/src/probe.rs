@@ -10,6 +10,7 @@ use serde::Deserialize;
 use crate::log::{ELSEWHERE, last_words, sends_elsewhere};
 use crate::program::{LEFT_BEHIND, Running, command, drain, every_frame_option, has_zscale};
 use crate::{Input, VideoError};
+use scaleproof_core::message::bail;
 use scaleproof_photo::{Budget, DecodeCost};
 
 /// ffprobe reads a few megabytes; a file on a slow disk takes seconds.
@@ -160,10 +161,10 @@ impl Video {
         }
         let input = Input::file(path);
         if about.len() == 0 {
-            return Err(VideoError::Empty { name: input.name });
+            bail!("{} is empty: copy it from the camera again", input.name);
         }
         if is_encrypted_mp4(path) {
-            return Err(VideoError::Encrypted { name: input.name });
+            return Err(VideoError::encrypted(&input.name));
         }
         Video::of(input)
     }
@@ -204,7 +205,7 @@ impl Video {
             });
         };
         if stream.is_encrypted() {
-            return Err(VideoError::Encrypted { name: name() });
+            return Err(VideoError::encrypted(&input.name));
         }
         let (Some(width @ 1..), Some(height @ 1..), Some(codec)) = (stream.width, stream.height, &stream.codec_name)
         else {
@@ -215,19 +216,22 @@ impl Video {
         }
         let turned_deg = stream.turned_deg();
         let cost = DecodeCost::of_png([width, height], 3, turned_deg != 0);
-        FRAME.check(&cost).map_err(|_| VideoError::TooLarge {
-            name: name(),
-            size: format!("{width} × {height} px, more than the {MOST_MEGAPIXELS} megapixels that are read"),
-        })?;
+        if FRAME.check(&cost).is_err() {
+            bail!(
+                "{} has frames of {width} × {height} px, more than the {MOST_MEGAPIXELS} megapixels that are read: scale it down with \
+                 `ffmpeg -i IN -vf scale=3840:-2 OUT`",
+                input.name
+            );
+        }
         if let Some(ratio) = stream
             .sample_aspect_ratio
             .as_ref()
             .filter(|r| !["1:1", "0:1", "N/A"].contains(&r.as_str()))
         {
-            return Err(VideoError::NotSquare {
-                name: name(),
-                ratio: ratio.clone(),
-            });
+            let name = &input.name;
+            bail!(
+                "{name} has pixels that are not square ({ratio}), which no camera file describes: film without an anamorphic mode"
+            );
         }
         let [width, height] = if turned_deg % 180 == 0 {
             [width, height]
@@ -274,10 +278,12 @@ impl Video {
         if self.range == Range::Standard || has_zscale() {
             return Ok(());
         }
-        Err(VideoError::Hdr {
-            name: self.input.name.clone(),
-            transfer: self.range.name(),
-        })
+        bail!(
+            "{} is an HDR video ({}), whose colours this system's ffmpeg cannot convert, as it lacks the filter zscale: install an ffmpeg built \
+             with libzimg, or film with HDR switched off",
+            self.input.name,
+            self.range.name()
+        )
     }
 }
 

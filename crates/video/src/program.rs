@@ -9,6 +9,7 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use scaleproof_core::files::environment;
+use scaleproof_core::message::message;
 
 use crate::VideoError;
 
@@ -51,9 +52,10 @@ pub fn reads_video() -> bool {
 
 /// A command that reads nothing from the terminal; `name` is the video's.
 pub(crate) fn command(program: &'static str, name: &str) -> Result<Command, VideoError> {
-    let missing = || VideoError::NoDecoder {
-        name: name.to_owned(),
-        program,
+    let missing = || {
+        message!(
+            "{name} is read with the programs ffmpeg and ffprobe, and this system has no {program}: install them (Debian: apt install ffmpeg)"
+        )
     };
     let mut command = Command::new(environment::program(program).ok_or_else(missing)?);
     command
@@ -73,12 +75,8 @@ pub(crate) struct Running(pub Child);
 impl Running {
     /// Starts a command.
     pub fn start(mut command: Command, program: &'static str, name: &str) -> Result<Running, VideoError> {
-        let started = command.spawn().map_err(|e| VideoError::NotStarted {
-            name: name.to_owned(),
-            program,
-            reason: scaleproof_core::files::plain(&e),
-        });
-        let started = started?;
+        let failed = |e: std::io::Error| VideoError::not_started(name, program, &scaleproof_core::files::plain(&e));
+        let started = command.spawn().map_err(failed)?;
         running().insert(started.id());
         Ok(Running(started))
     }

@@ -60,7 +60,7 @@ pub(super) fn run(mut args: Args, out: &mut dyn Write) -> CommandResult {
     };
     let programs = args.programs.started(programs)?;
     // With --save: where the copy of each photo goes, and what is drawn in it.
-    let places = |folder: &PathBuf| copies::places(folder, &args.looking.photos, "--save", copy_name);
+    let places = |folder: &PathBuf| copies::places(folder, &args.looking.photos, "save", copy_name);
     let places = args.save.as_ref().map(places).transpose()?.unwrap_or_default();
     let mut marks: Vec<Vec<Mark>> = vec![Vec::new(); places.len()];
     let networks = networks.iter().map(Looker::Network);

@@ -18,13 +18,15 @@ use self::terminal::TerminalLog;
 use crate::cli::answer::told;
 use crate::cli::choice::completing;
 use crate::cli::full::interrupt::Opening;
+use crate::cli::resolve::names::check_names;
 use crate::cli::{CommandResult, Outcome, Result};
 use scaleproof_capture::page::{CaptureInfo, Page};
 use scaleproof_capture::{
-    BinName, Capture, FrameLine, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceError, SourceName, Store,
+    BinName, Capture, FrameLine, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceName, Store,
     Target, Tolerance, Watch, interrupt_programs, live::list_cameras, pair, stream,
 };
 use scaleproof_core::files;
+use scaleproof_core::message::Message;
 use scaleproof_core::spelling::count;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Bins, Scene, Viewpoint};
@@ -269,18 +271,6 @@ fn guide(
     }
 }
 
-/// Finds out before anything is made that a session may have these names of a texture and a place.
-pub(super) fn check_names(variant: &str, place: &str) -> Result<(), String> {
-    for (what, name) in [("--variant", variant), ("--place", place)] {
-        if name.trim().is_empty() || name.trim() != name || name.chars().any(char::is_control) {
-            return Err(format!(
-                "{what} is {name:?}: give a name without blanks around it or control characters"
-            ));
-        }
-    }
-    Ok(())
-}
-
 /// Finds out before anything is made that nothing is written among the originals.
 fn check_output(args: &GuidedArgs) -> Result<(), String> {
     let same = |folder: &Path| files::is_same(folder, &args.output);
@@ -298,10 +288,7 @@ fn open_source(name: &SourceName, args: &GuidedArgs, camera: &Camera) -> Result<
     match name {
         SourceName::Replay(folder) => {
             let pace = args.fps.unwrap_or_default();
-            let replay = Replay::open(folder, &args.variant, args.shuffle, pace).map_err(|e| match e {
-                SourceError::NoSuchVariant { .. } => format!("{e} with --variant"),
-                e => e.to_string(),
-            })?;
+            let replay = Replay::open(folder, &args.variant, args.shuffle, pace)?;
             Ok(Some(Box::new(replay)))
         }
         _ if args.shuffle.is_some() || args.fps.is_some() => {
@@ -494,10 +481,7 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 fn source(text: &str) -> Result<SourceName, String> {
-    text.parse().map_err(|error| match error {
-        SourceError::Unknown { .. } => format!("{error} (--page)"),
-        error => error.to_string(),
-    })
+    text.parse().map_err(|error: Message| format!("{error} (--page)"))
 }
 
 fn pace(text: &str) -> Result<Duration, String> {

@@ -7,8 +7,7 @@ mod calibrate;
 mod capture;
 mod chart;
 mod fetch;
-mod film;
-mod interrupt;
+pub(super) mod interrupt;
 mod mesh_step;
 mod model;
 mod painted;
@@ -95,12 +94,12 @@ pub(super) fn print(command: PrintCommand, out: &mut dyn Write) -> CommandResult
 /// More of `scaleproof session …`.
 #[derive(Subcommand)]
 pub(super) enum SessionCommand {
-    FromVideo(film::FilmArgs),
+    FromVideo(crate::cli::args::film::FilmArgs),
 }
 
 pub(super) fn session(command: SessionCommand, out: &mut dyn Write) -> CommandResult {
     let SessionCommand::FromVideo(args) = command;
-    film::run(args, out)
+    crate::cli::commands::film::run(&args, out)
 }
 
 /// More of `scaleproof detectors …`.
@@ -127,7 +126,7 @@ pub(super) fn schemas() -> Vec<Named> {
         named::<Written<painted::Answer>>("print-wrap-paints"),
         named::<Written<wrap::PanelsAnswer>>("print-wrap-panels"),
         named::<survey::SurveyJson>("survey"),
-        named::<film::Answer>("session-from-video"),
+        named::<crate::cli::print::film::Answer>("session-from-video"),
         named::<Written<textures::Baked>>("texture-bake"),
         named::<Written<textures::Shown>>("texture-show"),
     ];

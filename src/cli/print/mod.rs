@@ -2,6 +2,8 @@
 
 mod chart;
 mod check;
+#[cfg(feature = "full")]
+pub mod film;
 pub(super) mod paint;
 mod tags;
 pub(crate) mod template;

@@ -12,11 +12,12 @@ use serde::{Deserialize, Serialize};
 use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
 
 use super::dial::DialRings;
+use super::error::PageError;
 use super::state::{self, CaptureInfo, FilmedView, PageState, PairsSoFar, ShownFrame};
-use super::{PageError, ground, upload};
-use crate::{
-    CameraSettings, Capture, FrameAnswer, FrameSource, Guidance, SourceError, SourceFrame, StoreError, Taking,
-};
+use super::{ground, upload};
+use crate::capture::Taking;
+use crate::{CameraSettings, Capture, FrameAnswer, FrameSource, Guidance, SourceError, SourceFrame, StoreError};
+use scaleproof_core::message::Message;
 use scaleproof_pose::scene::{Bin, Scene};
 
 /// What comes to the worker.
@@ -402,7 +403,7 @@ impl<'a> CaptureWorker<'a> {
     /// Looks at the pairs that are there now.
     fn ask_pairs(&mut self) -> Result<(), PageError> {
         if let Some(ask) = self.ask {
-            self.pairs = Some(ask(self.capture.guidance()).map_err(PageError::Pairs)?);
+            self.pairs = Some(ask(self.capture.guidance()).map_err(Message::new)?);
         }
         Ok(())
     }

@@ -91,7 +91,7 @@ fn encrypted(fingerprint: &str, host: &str, request: &str) -> std::io::Result<St
 fn in_the_network_the_page_is_encrypted_with_the_certificate_that_is_shown() {
     let folder = std::env::temp_dir().join("scaleproof, never made");
     let page = match Page::open(0, true, &folder, || {}) {
-        Err(PageError::NoNetwork) => return,
+        Err(PageError::NoNetwork(_)) => return,
         page => page.unwrap(),
     };
     let lan = page.lan.as_ref().unwrap();

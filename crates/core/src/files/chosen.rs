@@ -10,7 +10,8 @@ use std::fs::{File, Metadata, OpenOptions};
 use std::io::Read;
 use std::path::{Component, Path};
 
-use super::{FileError, inputs};
+use super::error::FileError;
+use super::inputs;
 
 /// Looks at what lies at a place itself, and not at what a link there leads to.
 fn at(path: &Path) -> Option<Metadata> {

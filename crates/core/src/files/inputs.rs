@@ -7,7 +7,9 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::{FileError, folder_of};
+use super::error::FileError;
+use super::path::folder_of;
+use crate::message::bail;
 
 /// Whole paths without links.
 #[derive(Default)]
@@ -41,8 +43,11 @@ pub fn note(path: &Path) {
 
 pub(super) fn refuse(path: &Path) -> Result<(), FileError> {
     let is_input = met().as_ref().is_some_and(|met| met.read.contains(&place(path)));
-    let refused = || FileError::IsInput { path: path.to_owned() };
-    if is_input { Err(refused()) } else { Ok(()) }
+    if is_input {
+        Err(FileError::is_input(path))
+    } else {
+        Ok(())
+    }
 }
 
 /// Refuses a folder that an input lies in.
@@ -52,16 +57,17 @@ pub(super) fn refuse_below(folder: &Path) -> Result<(), FileError> {
     let inside = met
         .as_ref()
         .and_then(|met| met.read.iter().find(|read| read.starts_with(&place)));
-    let refused = |path: &PathBuf| Err(FileError::IsInput { path: path.clone() });
-    inside.map_or(Ok(()), refused)
+    inside.map_or(Ok(()), |path| Err(FileError::is_input(path)))
 }
 
 pub(super) fn refuse_twice<'a>(outputs: impl IntoIterator<Item = &'a Path>) -> Result<(), FileError> {
     let mut places = BTreeSet::new();
     let mut again = outputs.into_iter().filter(|path| !places.insert(place(path)));
-    again
-        .next()
-        .map_or(Ok(()), |path| Err(FileError::Twice { path: path.to_owned() }))
+    let Some(path) = again.next() else { return Ok(()) };
+    bail!(
+        "two files would be written as {}; give them different names",
+        path.display()
+    )
 }
 
 /// Makes a file this run's own, unless it was read before: a checkpoint, say, or the list of a session that goes on. It may be read from here

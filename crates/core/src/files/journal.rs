@@ -12,8 +12,10 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, SystemTime};
 
+use super::error::FileError;
+use super::inputs;
+use super::path::folder_of;
 use super::staged::{Staged, name_of, unique};
-use super::{FileError, folder_of, inputs};
 
 /// A temporary file that is younger may be about to be locked.
 const AT_WORK: Duration = Duration::from_secs(10);

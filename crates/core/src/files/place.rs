@@ -4,7 +4,7 @@ use std::fs::{FileType, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::{FileError, is_standard_output, plain};
+use super::error::{FileError, plain};
 
 /// Where an output goes.
 #[derive(Debug)]
@@ -23,7 +23,7 @@ impl OutputPlace {
         }
         match (std::fs::metadata(path), path.is_symlink()) {
             (Ok(about), _) if about.is_dir() => refused("a folder is in its place"),
-            (Ok(about), _) if is_stream(about.file_type()) => Ok(OutputPlace::Stream(path.to_owned())),
+            (Ok(about), _) if is_stream_kind(about.file_type()) => Ok(OutputPlace::Stream(path.to_owned())),
             (Ok(about), _) if !about.is_file() => refused("what is in its place is no file: name another output"),
             (Ok(about), _) if about.permissions().readonly() => refused("it is write-protected"),
             (Ok(_), true) => match path.canonicalize() {
@@ -35,6 +35,15 @@ impl OutputPlace {
             _ => Ok(OutputPlace::File(path.to_owned())),
         }
     }
+}
+
+pub fn is_standard_output(path: &Path) -> bool {
+    ["-", "/dev/stdout"].iter().any(|name| path == Path::new(name))
+}
+
+/// Whether an output is written to as a stream: standard output, a named pipe or a character device.
+pub fn is_stream(path: &Path) -> Result<bool, FileError> {
+    Ok(matches!(OutputPlace::at(path)?, OutputPlace::Stream(_)))
 }
 
 pub(super) fn write_to(stream: &Path, content: &[u8]) -> Result<(), FileError> {
@@ -54,12 +63,12 @@ pub(super) fn write_to(stream: &Path, content: &[u8]) -> Result<(), FileError> {
 }
 
 #[cfg(unix)]
-fn is_stream(kind: FileType) -> bool {
+fn is_stream_kind(kind: FileType) -> bool {
     use std::os::unix::fs::FileTypeExt;
     kind.is_fifo() || kind.is_char_device()
 }
 
 #[cfg(not(unix))]
-fn is_stream(_: FileType) -> bool {
+fn is_stream_kind(_: FileType) -> bool {
     false
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::FileError;
+use super::error::FileError;
 
 /// A file at a path: which one, its length, and when its content and its entry changed.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -7,8 +7,8 @@ use nalgebra::Vector6;
 use scaleproof_core::geometry::Rigid;
 use scaleproof_core::geometry::angle::turn;
 use scaleproof_core::geometry::rigid::stepped;
-use scaleproof_film::look::{Look, Unplaced};
 use scaleproof_film::motion;
+use scaleproof_film::tracking::{FrameResult, NoPose};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::locate::{Located, locate};
 use scaleproof_pose::scene::{Scene, Viewpoint};
@@ -80,18 +80,18 @@ fn frames_are_as_far_off_as_they_say_however_long_the_rows_are_read() {
             tail_share: 0.02,
         };
         let mut simulator = Simulator::new(&walk.scene, &walk.camera, noise, 7);
-        let (mut looks, mut located): (Vec<Look>, Vec<Located>) = (Vec::new(), Vec::new());
+        let (mut looks, mut located): (Vec<FrameResult>, Vec<Located>) = (Vec::new(), Vec::new());
         for number in 0..360 {
             let time_s = number as f64 / FRAMES_PER_S;
             let found = locate(&walk.seen(time_s, &mut simulator), &walk.scene, &walk.camera).unwrap();
             let look = with(frame(number, 0.0, 0.6), |view| {
                 (view.viewpoint, view.moved) = (found.viewpoint, None)
             });
-            looks.push(Look { time_s, ..look });
-            motion::set(&mut looks);
+            looks.push(FrameResult { time_s, ..look });
+            motion::set_motion(&mut looks);
             located.push(found);
         }
-        let moved = |look: &Look| look.shows.unwrap().moved;
+        let moved = |look: &FrameResult| look.shows.unwrap().moved;
         let errors: Vec<(f64, f64)> = (looks.iter().zip(&located))
             .filter_map(|(look, found)| {
                 let off = turn(walk.viewpoint(look.time_s).azimuth_deg, found.viewpoint.azimuth_deg);
@@ -113,12 +113,12 @@ fn frames_are_as_far_off_as_they_say_however_long_the_rows_are_read() {
 
 #[test]
 fn a_hand_that_turns_back_moves_and_a_gap_leaves_the_motion_open() {
-    let at = |number: u64, time_s: f64, azimuth_deg: f64| Look {
+    let at = |number: u64, time_s: f64, azimuth_deg: f64| FrameResult {
         time_s,
         ..with(frame(number, azimuth_deg, 0.6), |view| view.moved = None)
     };
-    let repeated = Look {
-        shows: Err(Unplaced::Repeated),
+    let repeated = FrameResult {
+        shows: Err(NoPose::Repeated),
         ..at(3, 0.3, 0.0)
     };
     let film = [
@@ -133,7 +133,7 @@ fn a_hand_that_turns_back_moves_and_a_gap_leaves_the_motion_open() {
     let mut looks = Vec::new();
     for look in film {
         looks.push(look);
-        motion::set(&mut looks);
+        motion::set_motion(&mut looks);
     }
     let moved = |at: usize| looks[at].shows.ok().and_then(|view| Some(view.moved?.azimuth_deg));
     // 10° a second to both sides, for half of 30 ms; then 10° a second on both sides of a picture that is shown twice.

@@ -1,6 +1,6 @@
 //! DCT coefficients of a JPEG: its Huffman-decoded data, from which pixels of any size and place are computed.
 
-use super::JpegError;
+use super::error::JpegError;
 
 /// Blocks of 8 × 8 coefficients of one component.
 #[derive(Debug)]

@@ -1,6 +1,6 @@
 //! Headers of a JPEG (ITU-T T.81, annex B; JFIF 1.02; Adobe technical note 5116), and the subset this reader supports.
 
-use super::JpegError;
+use super::error::JpegError;
 use super::segments::{START_OF_SCAN, Segment, Segments};
 
 /// Header of a file's first image.

@@ -12,6 +12,9 @@ use super::inverse_dct::{Transform, rounded};
 use super::read::Coefficients;
 use super::upsample;
 
+/// Factors by which a JPEG can be decoded reduced: its blocks of 8 × 8 pixels become 1 × 1, 2 × 2 or 4 × 4.
+pub const REDUCTIONS: [u32; 3] = [8, 4, 2];
+
 impl Coefficients {
     /// Returns the first component upright, at 1/`reduction` of the size (1, 2, 4 or 8); a remainder at the right and at the bottom is left out.
     pub(crate) fn luma(&self, reduction: u32, orientation: Orientation) -> GrayImage {

@@ -1,7 +1,7 @@
 //! Reading of a file's bytes into coefficients.
 
-use super::JpegError;
 use super::coefficients::Component;
+use super::error::JpegError;
 use super::frame::{Colours, Frame};
 use super::huffman::HuffmanTable;
 use super::scan::{self, Part, Scan, ScanComponent};

@@ -3,9 +3,9 @@
 //! Invalid data is refused: codes that are in no table, data that ends early or continues after the last block, restart markers out of order, DC
 //! values that no picture has.
 
-use super::JpegError;
 use super::bits::Bits;
 use super::coefficients::Component;
+use super::error::JpegError;
 use super::huffman::{Coefficient, HuffmanTable, LARGEST_SIZE};
 use super::segments::Intervals;
 

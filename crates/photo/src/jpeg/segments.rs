@@ -1,6 +1,6 @@
 //! The segments of a JPEG file (ITU-T T.81, annex B), without its pixels.
 
-use super::JpegError;
+use super::error::JpegError;
 
 /// Marker with its content.
 #[derive(Debug, Clone, Copy)]

@@ -1,10 +1,10 @@
 //! Verdicts on the ways of each step.
 
-use super::AdviseError;
 use super::held_out::Answer;
 use super::paired::{FEWEST_PHOTOS, MARGIN, Moved, PairedErrors};
 use super::result::{CameraCheck, CameraVerdict, Choice, PoseAdvice, Verdict};
 use super::way::{Question, Way};
+use scaleproof_core::message::{Message, message};
 use scaleproof_core::spelling::count;
 
 /// Judges every way by the answers of each photo.
@@ -12,12 +12,21 @@ pub(super) fn put_together(
     ways: &[Way],
     answers: &[&[Answer]],
     (disagreeing, camera_check): (usize, Option<CameraCheck>),
-) -> Result<PoseAdvice, AdviseError> {
+) -> Result<PoseAdvice, Message> {
     let of = |way: usize| -> Vec<&Answer> { answers.iter().map(|photo| &photo[way]).collect() };
     let usual = ways.iter().position(Way::is_usual).map(of).unwrap_or_default();
     let located = usual.iter().filter(|answer| answer.located.is_some()).count();
     if located == 0 {
-        return Err(AdviseError::NothingLocated { disagreeing });
+        let also = match disagreeing {
+            0 => String::new(),
+            _ => format!(
+                "; the tags disagree with scene and camera in {}",
+                count(disagreeing, "photo")
+            ),
+        };
+        return Err(message!(
+            "no photo of the session is located, so that there is nothing to compare{also}"
+        ));
     }
     let held_out_photos = usual.iter().filter(|answer| answer.held_out_deg.is_some()).count();
     let mut advice = PoseAdvice {

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::AdviseError;
 use super::held_out::{Answer, FoundTags, Sample, answer, find};
 use super::way::Way;
+use scaleproof_core::message::{Message, message};
 use scaleproof_pose::camera::{Camera, FittedCamera};
 use scaleproof_pose::locate::{Located, LocatedPhoto, Warning, locate_luma};
 use scaleproof_pose::scene::Scene;
@@ -56,12 +56,11 @@ pub(super) fn measure(
     ways: &[Way],
     opened: &mut Opened,
     (scene, camera): (&Scene, &Camera),
-) -> Result<Measured, AdviseError> {
+) -> Result<Measured, Message> {
     let (width, height) = sample.luma.dimensions();
-    let fitted = camera.for_photo(width, height, sample.turned_deg).map_err(|fault| {
-        let file = sample.file.clone();
-        AdviseError::Size { file, fault }
-    })?;
+    let fitted = camera
+        .for_photo(width, height, sample.turned_deg)
+        .map_err(|fault| message!("{}: {fault}", sample.file))?;
     let usual_tags = opened.get_mut(&TagDetectorChoice::default());
     let found = usual_tags.map(|tags| locate_luma(&sample.luma, sample.turned_deg, None, scene, camera, tags.as_mut()));
     let fit = found.as_ref().map(Fit::from_photo).unwrap_or_default();

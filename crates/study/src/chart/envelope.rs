@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::{MeasureError, milliseconds, true_boxes};
 use scaleproof_core::geometry::{BoxPx, Rigid};
+use scaleproof_core::message::message;
 use scaleproof_core::statistics::median;
 use scaleproof_core::workers::fastest;
 use scaleproof_photo::Photo;
@@ -58,7 +59,7 @@ pub fn placed(
         on_photo();
     }
     match not_located.first() {
-        Some(first) if samples.is_empty() => Err(MeasureError::NoPose(first.clone())),
+        Some(first) if samples.is_empty() => Err(message!("no photo has a pose; {first}").into()),
         _ => Ok((samples, not_located)),
     }
 }

@@ -16,6 +16,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use scaleproof_core::files::{self, FileError};
+use scaleproof_core::message::Message;
 use scaleproof_core::workers::fastest;
 use scaleproof_photo::PhotoError;
 use scaleproof_plot::{PlotAxis, Scale, distinct};
@@ -26,7 +27,7 @@ use scaleproof_pose::tags::{SeenTag, StartError, TagDetector, TagDetectorChoice}
 use scaleproof_session::envelope::EnvelopeError;
 use scaleproof_session::{Session, SessionError};
 pub use spoil::Spoil;
-pub use truth::{TruthError, true_boxes, true_views};
+pub use truth::{true_boxes, true_views};
 
 /// Reason why photos could not be measured on.
 #[derive(Debug, thiserror::Error)]
@@ -44,9 +45,7 @@ pub enum MeasureError {
     #[error(transparent)]
     File(#[from] FileError),
     #[error(transparent)]
-    Truth(#[from] TruthError),
-    #[error("no photo has a pose; {0}")]
-    NoPose(String),
+    Message(#[from] Message),
 }
 
 /// The numbers of a chart, with what they were measured with.

@@ -99,14 +99,10 @@ pub(super) fn follow(
     followed.map_err(advised)
 }
 
-/// The error with the option that helps.
+/// An error of the page; a closed output is the system's.
 pub(super) fn advised(e: PageError) -> Box<dyn Error> {
-    let advice = match e {
-        PageError::Output(e) => return e.into(),
-        PageError::Port { .. } => "name another with --port",
-        PageError::Server { .. } => "capture without --page",
-        PageError::NoNetwork => "join one, or leave --lan out",
-        e => return e.into(),
-    };
-    format!("{e}: {advice}").into()
+    match e {
+        PageError::Output(e) => e.into(),
+        e => e.into(),
+    }
 }

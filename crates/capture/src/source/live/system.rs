@@ -10,7 +10,10 @@ use nokhwa::utils::{
     RequestedFormatType,
 };
 
-use super::{CameraSettings, Device, LiveCameraError, PixelFormat, RawImage, Setting};
+use super::device::Device;
+use super::error::LiveCameraError;
+use super::pixels::{PixelFormat, RawImage};
+use super::settings::{CameraSettings, Setting};
 use scaleproof_pose::camera::Camera;
 
 /// A camera that the system knows.
@@ -66,7 +69,9 @@ fn allowed() -> Result<(), LiveCameraError> {
     });
     match answered.recv_timeout(PERMISSION) {
         Ok(true) => Ok(()),
-        _ => Err(LiveCameraError::NotAllowed),
+        _ => Err(LiveCameraError::Failed(
+            "the system does not allow the use of cameras".into(),
+        )),
     }
 }
 
@@ -87,7 +92,7 @@ pub(super) fn open(number: u32, camera: &Camera) -> Result<Box<dyn Device>, Live
 }
 
 fn failed(e: NokhwaError) -> LiveCameraError {
-    LiveCameraError::Driver(e.to_string())
+    LiveCameraError::Failed(e.to_string())
 }
 
 /// The size nearest to the calibrated one among those of its shape; of one size, enough images a second first, then raw pixels.
@@ -106,11 +111,13 @@ pub fn choose_format(offered: &[CameraFormat], camera: &Camera) -> Result<Camera
         )
     };
     let readable = offered.iter().filter(|format| rank(format).is_some());
-    let none = LiveCameraError::NoFittingSize {
-        width: camera.width,
-        height: camera.height,
+    let none = || {
+        let (width, height) = (camera.width, camera.height);
+        LiveCameraError::Failed(format!(
+            "it has no image of the shape of the camera file's, {width} × {height}: calibrate it at a size it has"
+        ))
     };
-    readable.filter(fits).min_by_key(order).copied().ok_or(none)
+    readable.filter(fits).min_by_key(order).copied().ok_or_else(none)
 }
 
 struct NokhwaCamera(nokhwa::Camera);
@@ -119,7 +126,7 @@ impl Device for NokhwaCamera {
     fn image(&mut self) -> Result<RawImage, LiveCameraError> {
         let format = self.0.camera_format();
         let packed = FORMATS.iter().find(|(known, _)| *known == format.format());
-        let (_, packed) = packed.ok_or(LiveCameraError::UnknownPixelFormat)?;
+        let (_, packed) = packed.ok_or_else(|| LiveCameraError::Failed("its pixel format is not known".into()))?;
         Ok(RawImage {
             format: *packed,
             width: format.width(),

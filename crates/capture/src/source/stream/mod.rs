@@ -7,8 +7,9 @@ mod connection;
 
 use std::time::{Duration, Instant};
 
+use super::error::SourceError;
 use super::live::{CameraSettings, Device, LiveCamera, LiveCameraError, LiveName, RawImage, Setting};
-use super::source::SourceError;
+use scaleproof_core::message::message;
 use scaleproof_pose::camera::Camera;
 
 pub use address::{StreamAddress, StreamScheme};
@@ -35,10 +36,8 @@ const PATIENCE: Duration = Duration::from_secs(40);
 /// # Errors
 /// An address that is not read; no connection, or images of another shape than the camera file's.
 pub fn open(address: &StreamAddress, camera: &Camera) -> Result<LiveCamera, SourceError> {
-    let scheme = address.scheme().map_err(|reason| SourceError::BadAddress {
-        address: address.to_string(),
-        reason,
-    })?;
+    let unread = |reason| message!("the stream {address} is not read: {reason}");
+    let scheme = address.scheme().map_err(unread)?;
     let (of_connection, camera) = (address.clone(), camera.clone());
     let connect = move || connection::connect(&of_connection, scheme);
     start(&address.to_string(), &BACK_OFF, connect, move |size| {
@@ -62,7 +61,10 @@ pub fn start(
         let first = connection.image().map_err(LiveCameraError::Ended)?;
         let size = [first.width, first.height];
         if !is_of_use(size) {
-            return Err(LiveCameraError::OtherShape { size });
+            let [width, height] = size;
+            return Err(LiveCameraError::Failed(format!(
+                "its images are {width} × {height} px, of another shape than the camera file's"
+            )));
         }
         Ok(Box::new(Stream {
             address: name,

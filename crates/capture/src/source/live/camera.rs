@@ -1,26 +1,17 @@
 //! A running camera: a thread reads it without pause and keeps the newest image only, so that advice is never about the past.
 
-mod device;
-mod error;
-mod jpegs;
-mod pixels;
-mod settings;
-
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::source::{FrameSource, Original, SourceError, SourceFrame};
+use super::device::Device;
+use super::error::LiveCameraError;
+use super::pixels::RawImage;
+use super::settings::CameraSettings;
+use super::system;
+use crate::source::{FrameSource, Original, SourceError, SourceFrame};
+use scaleproof_core::message::message;
 use scaleproof_pose::camera::Camera;
-
-pub use device::{choose_format, list_cameras};
-pub use error::LiveCameraError;
-pub use jpegs::Jpegs;
-pub use pixels::{PixelFormat, RawImage, jpeg_size};
-pub use settings::{CameraSettings, Setting};
-
-/// Exposure, focus and white balance find their values within this time; they are then held, and frames are given from then on.
-const SETTLING: Duration = Duration::from_millis(1500);
 
 /// A camera that gives nothing for so long is gone.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -33,23 +24,6 @@ const OPENING: Duration = Duration::from_secs(if cfg!(target_os = "macos") { 75 
 const MAX_FAILURES: u32 = 10;
 const AFTER_FAILURE: Duration = Duration::from_millis(100);
 
-/// What a camera must be able to do. It stays on the thread that opened it.
-pub trait Device {
-    /// The next image, waited for.
-    ///
-    /// # Errors
-    /// Why there is none. [`LiveCameraError::Waiting`] is told to the photographer and asked again, without end; of any other, ten in a row end it.
-    fn image(&mut self) -> Result<RawImage, LiveCameraError>;
-
-    /// Holds exposure, focus and white balance where they are now, as far as the camera lets one.
-    fn lock(&mut self) -> CameraSettings;
-
-    /// The time after which exposure, focus and white balance have found their values; no image is given before.
-    fn settling(&self) -> Duration {
-        SETTLING
-    }
-}
-
 /// What messages call a running camera.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum LiveName {
@@ -60,18 +34,25 @@ pub enum LiveName {
 }
 
 impl LiveName {
-    fn unusable(&self, reason: LiveCameraError) -> SourceError {
-        match self.clone() {
-            LiveName::Number(number) => SourceError::NoCamera { number, reason },
-            LiveName::Stream(address) => SourceError::NoStream { address, reason },
+    fn unusable(&self, reason: &LiveCameraError) -> SourceError {
+        match self {
+            LiveName::Number(number) => message!("the camera {number} cannot be used ({reason})")
+                .hint("see `scaleproof capture list-cameras`")
+                .into(),
+            LiveName::Stream(address) => message!(
+                "the stream {address} cannot be used ({reason}): see that the camera serves it and that a browser or player shows it"
+            )
+            .into(),
         }
     }
 
-    fn gone(&self, reason: LiveCameraError) -> SourceError {
-        match self.clone() {
-            LiveName::Number(number) => SourceError::CameraGone { number, reason },
-            LiveName::Stream(address) => SourceError::StreamGone { address, reason },
-        }
+    fn gone(&self, reason: &LiveCameraError) -> SourceError {
+        let (name, remedy) = match self {
+            LiveName::Number(number) => (format!("camera {number}"), "plug it in again"),
+            LiveName::Stream(address) => (format!("stream {address}"), "see to the camera"),
+        };
+        message!("the {name} gives no more images ({reason}): {remedy} and run this again; what was accepted is kept")
+            .into()
     }
 
     fn frame(&self, count: u64) -> String {
@@ -116,7 +97,7 @@ impl LiveCamera {
     /// No such camera, one that is in use or may not be used, or that has no image of the camera file's shape.
     pub fn open(number: u32, camera: &Camera) -> Result<LiveCamera, SourceError> {
         let camera = camera.clone();
-        LiveCamera::from_device(number, OPENING, move || device::open(number, &camera))
+        LiveCamera::from_device(number, OPENING, move || system::open(number, &camera))
     }
 
     /// A camera of any make; `open` is called on the thread that reads it, and may take up to `limit`.
@@ -145,12 +126,12 @@ impl LiveCamera {
         let reading = ReaderThread(Arc::clone(&shared));
         std::thread::spawn(move || reading.read(open));
         let seconds = limit.as_secs();
-        let too_late = match &name {
-            LiveName::Stream(_) => LiveCameraError::NoImage { seconds },
-            LiveName::Number(_) => LiveCameraError::SlowToOpen { seconds },
-        };
+        let too_late = LiveCameraError::Failed(match &name {
+            LiveName::Stream(_) => format!("none came for {seconds} s"),
+            LiveName::Number(_) => format!("it did not open within {seconds} s: unplug it and plug it in again"),
+        });
         let opened = shared.wait(limit, too_late, |state| state.is_open.then_some(()));
-        opened.map_err(|reason| name.unusable(reason))?;
+        opened.map_err(|reason| name.unusable(&reason))?;
         Ok(LiveCamera { name, patience, shared })
     }
 }
@@ -159,12 +140,9 @@ impl FrameSource for LiveCamera {
     fn next(&mut self) -> Result<Option<SourceFrame>, SourceError> {
         let seconds = self.patience.as_secs();
         // The image that came last, if it was not given before.
-        let newest = self
-            .shared
-            .wait(self.patience, LiveCameraError::NoImage { seconds }, |state| {
-                state.newest.take()
-            });
-        let (count, image) = newest.map_err(|reason| self.name.gone(reason))?;
+        let too_late = LiveCameraError::Failed(format!("none came for {seconds} s"));
+        let newest = self.shared.wait(self.patience, too_late, |state| state.newest.take());
+        let (count, image) = newest.map_err(|reason| self.name.gone(&reason))?;
         let original = image
             .map_err(|reason| reason.to_string())
             .and_then(|image| image.original().map_err(str::to_owned))
@@ -245,7 +223,8 @@ impl ReaderThread {
                 Err(reason @ LiveCameraError::Waiting(_)) => {
                     shared.change(|state| state.newest = Some((count, Err(reason))));
                 }
-                Err(reason) if reason.is_final() || failures + 1 == MAX_FAILURES => return end(reason),
+                Err(reason @ LiveCameraError::Ended(_)) => return end(reason),
+                Err(reason) if failures + 1 == MAX_FAILURES => return end(reason),
                 Err(_) => {
                     failures += 1;
                     std::thread::sleep(AFTER_FAILURE);
@@ -259,7 +238,8 @@ impl Drop for ReaderThread {
     fn drop(&mut self) {
         // Only a driver's panic leaves it open.
         self.0.change(|state| {
-            state.ended.get_or_insert(LiveCameraError::DriverPanicked);
+            let failed = || LiveCameraError::Failed("its driver failed".into());
+            state.ended.get_or_insert_with(failed);
         });
     }
 }

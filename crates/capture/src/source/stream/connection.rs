@@ -8,8 +8,8 @@ use std::time::Duration;
 use image::RgbImage;
 
 use super::address::{StreamAddress, StreamScheme};
-use crate::live::{Jpegs, PixelFormat, RawImage, jpeg_size};
-use crate::programs::{RunningProgram, is_there};
+use crate::source::live::{Jpegs, PixelFormat, RawImage, jpeg_size};
+use crate::source::programs::{RunningProgram, is_there};
 use scaleproof_video::{Frames, Input, Selection, Video, VideoError};
 
 /// A camera that sends nothing for so long is not there any more.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use scaleproof_core::geometry::angle::turn;
-use scaleproof_film::look::{Look, Looker, View};
+use scaleproof_film::tracking::{FrameResult, FrameTracker, View};
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::Scene;
 use scaleproof_pose::tags::TagDetectorChoice;
@@ -17,18 +17,18 @@ fn walk(name: &str) -> PathBuf {
     Path::new("../../captures/walk").join(name)
 }
 
-fn looks(film: &Path) -> Vec<Look> {
+fn looks(film: &Path) -> Vec<FrameResult> {
     let (scene, camera) = (
         Scene::open(&walk("scene.toml")).unwrap(),
         Camera::open(&walk("camera.yaml")).unwrap(),
     );
-    let mut looker = Looker::new(&scene, &camera, 0, TagDetectorChoice::default()).unwrap();
+    let mut tracker = FrameTracker::new(&scene, &camera, 0, TagDetectorChoice::default()).unwrap();
     let selection = Selection {
         to_s: Some(2.45),
         ..Selection::default()
     };
     let frames = Video::open(film).unwrap().pictures(&selection).unwrap();
-    frames.map(|frame| looker.look(frame.unwrap())).collect()
+    frames.map(|frame| tracker.track(frame.unwrap())).collect()
 }
 
 /// The same poses, and what is said in pixels is in pixels of the film: from a camera file for smaller frames, too.

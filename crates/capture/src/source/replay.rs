@@ -8,8 +8,10 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;
 
-use super::source::{FrameSource, Original, SourceError, SourceFrame};
+use super::error::SourceError;
+use super::frame::{FrameSource, Original, SourceFrame};
 use scaleproof_core::files;
+use scaleproof_core::message::bail;
 use scaleproof_session::{PhotoEntry, Session};
 
 /// The photos of one variant of a session, one after the other.
@@ -33,11 +35,12 @@ impl Replay {
         let mut left: Vec<PhotoEntry> = of_variant.cloned().collect();
         if left.is_empty() {
             let others: BTreeSet<&str> = session.photos.iter().map(|photo| photo.variant.as_str()).collect();
-            return Err(SourceError::NoSuchVariant {
-                folder: folder.to_owned(),
-                variant: variant.to_owned(),
-                others: others.into_iter().collect::<Vec<_>>().join(", "),
-            });
+            bail!(
+                "the session in {} has no photo of the variant {variant}, only of {}",
+                folder.display(),
+                Vec::from_iter(others).join(", ");
+                hint: "replay another, or name one of these by ‹variant›"
+            );
         }
         if let Some(seed) = shuffle {
             left.shuffle(&mut Pcg64::seed_from_u64(seed));

@@ -1,7 +1,7 @@
-//! A first look at each frame of a video: fast, since most frames are never kept.
+//! Fast pose tracking through the frames of a video, most of which are never kept.
 //!
-//! The pose of the frame before says where tags are, and only there it is looked. Every so often, and when that fails, the whole image is
-//! searched, reduced. What is kept is located again by the search that photos get (`keep.rs`).
+//! Tags are searched where the pose of the frame before puts them; every 25 frames, and when that fails, in the whole image, reduced. Frames that are
+//! kept are located again by the search that photos get (`keep.rs`).
 
 use scaleproof_core::geometry::Rigid;
 use scaleproof_photo::Luma;
@@ -13,7 +13,7 @@ use scaleproof_video::{Frame, Picture};
 
 /// Frames of which the first is searched as a whole and the others are tracked: nothing that tracking believes lasts longer.
 const GROUP: usize = 25;
-/// Of frames in a row without a pose, each so-manieth is searched by every means.
+/// Of frames in a row without a pose, every 12th is searched by every means.
 const SEARCHED_WELL: u32 = 12;
 
 /// A frame whose luma differs from the last one's by less than this on average, levels, shows the same picture. Encoded again, pictures that are repeated
@@ -21,39 +21,39 @@ const SEARCHED_WELL: u32 = 12;
 const ALIKE_LEVELS: f64 = 0.6;
 /// A picture is repeated for no longer than this, s: a camera that is held still gives frames that are as alike.
 const REPEATED_S: f64 = 0.12;
-/// Frames are looked at reduced to no less than this on their long side, px: what is kept of them is located at full size.
+/// Least length of the long side to which frames are reduced for tracking, px; kept frames are located at full size.
 const LOOKED_AT_PX: u32 = 1920;
 
-/// One frame, looked at.
+/// Result of tracking one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Look {
+pub struct FrameResult {
     /// Its number in the video, from 0.
     pub number: u64,
     /// Time at which it is shown, s since the start of the video.
     pub time_s: f64,
-    /// The frame's number from which on it can be decoded.
+    /// Number of the frame from which on it can be decoded.
     pub key: u64,
     /// Its pose and sharpness; `Err` where there is no pose.
-    pub shows: Result<View, Unplaced>,
+    pub shows: Result<View, NoPose>,
 }
 
 /// Findings in a frame with a pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     pub viewpoint: Viewpoint,
-    /// Share of the camera's motion in σ of the viewpoint, set by [`crate::motion::set`]; `None` until then, and where the frames before or after have no pose.
+    /// Share of the camera's motion in σ of the viewpoint, set by [`crate::motion::set_motion`]; `None` until then, and where the frames before or after have no pose.
     pub moved: Option<Sigma>,
     /// Standard deviation of the blur in its worst direction, px; `None` where no whole tag is large enough to tell.
     pub blur_px: Option<f64>,
     /// True if the model's whole box lies in the image.
     pub is_model_whole: bool,
-    /// The probability that the viewpoint's bin is the right one.
+    /// Probability that the viewpoint's bin is the right one, 0 to 1.
     pub bin_probability: f64,
 }
 
-/// Why a frame has no pose.
+/// Reason why a frame has no pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unplaced {
+pub enum NoPose {
     NoTags,
     Blurred,
     Unsure,
@@ -61,8 +61,8 @@ pub enum Unplaced {
     Repeated,
 }
 
-/// Looks at the frames of one video in their order. Holds tag detectors.
-pub struct Looker<'a> {
+/// Tracks the camera through the frames of one video, in their order. Has its own tag detectors.
+pub struct FrameTracker<'a> {
     scene: &'a Scene,
     camera: &'a Camera,
     turned_deg: u32,
@@ -76,8 +76,8 @@ pub struct Looker<'a> {
     last: Option<(f64, Picture)>,
 }
 
-impl<'a> Looker<'a> {
-    /// `turned_deg`: how far the container turned the sensor's image clockwise.
+impl<'a> FrameTracker<'a> {
+    /// Creates a tracker; `turned_deg` is the clockwise turn that the container gives the sensor's image.
     ///
     /// # Errors
     /// The tag detector does not start.
@@ -86,13 +86,13 @@ impl<'a> Looker<'a> {
         camera: &'a Camera,
         turned_deg: u32,
         detector: TagDetectorChoice,
-    ) -> Result<Looker<'a>, StartError> {
+    ) -> Result<FrameTracker<'a>, StartError> {
         let families = scene.families();
         let fast = match detector.open_live(&families)? {
             Some(fast) => fast,
             None => detector.open(&families)?,
         };
-        Ok(Looker {
+        Ok(FrameTracker {
             scene,
             camera,
             turned_deg,
@@ -105,8 +105,8 @@ impl<'a> Looker<'a> {
         })
     }
 
-    /// Looks at the next frame.
-    pub fn look(&mut self, frame: Frame<Picture>) -> Look {
+    /// Locates the camera in the next frame.
+    pub fn track(&mut self, frame: Frame<Picture>) -> FrameResult {
         if self.looked.is_multiple_of(GROUP) {
             (self.poses, self.lost) = ([None, None], 0);
         }
@@ -114,12 +114,12 @@ impl<'a> Looker<'a> {
         let is_repeated =
             |(time_s, last): &(f64, Picture)| frame.time_s - time_s < REPEATED_S && is_alike(last, &frame.image);
         let is_repeated = self.last.as_ref().is_some_and(is_repeated);
-        let look = Look {
+        let look = FrameResult {
             number: frame.number,
             time_s: frame.time_s,
             key: frame.key,
             shows: match is_repeated {
-                true => Err(Unplaced::Repeated),
+                true => Err(NoPose::Repeated),
                 false => self.view(&frame),
             },
         };
@@ -129,7 +129,7 @@ impl<'a> Looker<'a> {
         look
     }
 
-    fn view(&mut self, frame: &Frame<Picture>) -> Result<View, Unplaced> {
+    fn view(&mut self, frame: &Frame<Picture>) -> Result<View, NoPose> {
         let factor = reduction(frame.image.size());
         let reduced = (factor > 1).then(|| frame.image.reduced(factor));
         let luma: &dyn Luma = match &reduced {
@@ -163,8 +163,8 @@ impl<'a> Looker<'a> {
                     bin_probability: located.bin_probability,
                 })
             }
-            (Err(why), _) => Err(Unplaced::of(why)),
-            (_, Err(_)) => Err(Unplaced::Unsure),
+            (Err(why), _) => Err(NoPose::of(why)),
+            (_, Err(_)) => Err(NoPose::Unsure),
         }
     }
 
@@ -182,7 +182,7 @@ impl<'a> Looker<'a> {
         locate_luma(luma, self.turned_deg, guess, self.scene, self.camera, tags.as_mut())
     }
 
-    /// Camera's expected place if it moves on as it did.
+    /// Extrapolates the camera's pose at constant velocity.
     fn guess(&self) -> Option<Rigid> {
         match self.poses {
             [Some(before), Some(last)] => Some(last * before.inverse() * last),
@@ -202,24 +202,24 @@ impl<'a> Looker<'a> {
     }
 }
 
-/// True if two frames show one picture.
+/// Returns true if two frames show one picture.
 fn is_alike(one: &Picture, other: &Picture) -> bool {
     one.difference(other).is_some_and(|levels| levels < ALIKE_LEVELS)
 }
 
-/// By how much frames of a size are reduced, whole pixels to whole pixels.
+/// Returns the factor by which frames of a size are reduced, a divisor of both sides.
 fn reduction(size: [u32; 2]) -> u32 {
     let most = size[0].max(size[1]) / LOOKED_AT_PX;
     let is_whole = |factor: &u32| size.iter().all(|side| side.is_multiple_of(*factor));
     (1..=most).rev().find(is_whole).unwrap_or(1)
 }
 
-impl Unplaced {
-    fn of(why: &Abstention) -> Unplaced {
+impl NoPose {
+    fn of(why: &Abstention) -> NoPose {
         match why {
-            Abstention::NoTags => Unplaced::NoTags,
-            Abstention::Blurred { .. } => Unplaced::Blurred,
-            _ => Unplaced::Unsure,
+            Abstention::NoTags => NoPose::NoTags,
+            Abstention::Blurred { .. } => NoPose::Blurred,
+            _ => NoPose::Unsure,
         }
     }
 }

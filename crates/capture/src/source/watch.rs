@@ -4,8 +4,10 @@ use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
-use super::source::{FrameSource, Original, SourceError, SourceFrame};
+use super::error::SourceError;
+use super::frame::{FrameSource, Original, SourceFrame};
 use scaleproof_core::files;
+use scaleproof_core::message::message;
 use scaleproof_photo::{Budget, Photo};
 
 /// How often the folder is looked at.
@@ -53,9 +55,12 @@ impl Watch {
 
     /// Lists the folder, and reads what has become ready.
     fn look(&mut self) -> Result<(), SourceError> {
-        let gone = |e: std::io::Error| SourceError::Gone {
-            folder: self.folder.clone(),
-            reason: files::plain(&e),
+        let gone = |e: std::io::Error| {
+            message!(
+                "the watched folder {} cannot be read ({}): bring it back and run this again; what was accepted is kept",
+                self.folder.display(),
+                files::plain(&e)
+            )
         };
         let mut there = Vec::new();
         for entry in std::fs::read_dir(&self.folder).map_err(gone)? {

@@ -4,7 +4,7 @@ use image::{GrayImage, RgbImage};
 use opencv::core::{Mat, MatTraitConst, MatTraitConstManual};
 use opencv::imgproc;
 
-use crate::Original;
+use crate::source::Original;
 use scaleproof_photo::standard_huffman_tables;
 
 /// How a camera packs its pixels.

@@ -1,54 +1,60 @@
-//! Frames that may be chosen, held as they were decoded while the film is looked at, so that it need not be decoded twice. What is not held is decoded again.
+//! Cache of decoded frames that may be chosen, so that they need not be decoded twice; the others are decoded again.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::choose::{Chosen, Refusal, Wish};
-use crate::look::{Look, Unplaced};
+use crate::choose::{Chosen, Refusal, SelectionCriteria};
+use crate::tracking::{FrameResult, NoPose};
 use scaleproof_video::Planes;
 
-/// Frames of so many bytes are held at most.
+/// Maximum size of the cache, bytes.
 const MOST_BYTES: usize = 256 << 20;
-/// Where fewer fit, as of 8K, none is held: some bins' best would drop out all the time.
+/// Least number of frames that fit; of larger ones, as of 8K, none is cached: some bins' best would drop out all the time.
 const LEAST_FRAMES: usize = 16;
 
-/// Frames by their numbers; of what is looked at so far those that are chosen, and then those that would be chosen without them, up to a length.
+/// Cached frames by their numbers: those that would be chosen of the frames tracked so far, then those that would be chosen without them, up to a size.
 #[derive(Debug)]
-pub struct Held {
+pub struct FrameCache {
     most_bytes: usize,
     frames: BTreeMap<u64, Planes>,
     bytes: usize,
 }
 
-impl Default for Held {
-    fn default() -> Held {
-        Held::up_to(MOST_BYTES)
+impl Default for FrameCache {
+    fn default() -> FrameCache {
+        FrameCache::up_to(MOST_BYTES)
     }
 }
 
-impl Held {
-    /// Nothing yet.
-    pub fn up_to(most_bytes: usize) -> Held {
-        Held {
+impl FrameCache {
+    /// Creates an empty cache of a maximum size, bytes.
+    pub fn up_to(most_bytes: usize) -> FrameCache {
+        FrameCache {
             most_bytes,
             frames: BTreeMap::new(),
             bytes: 0,
         }
     }
 
-    /// Bytes of the frames that are held.
+    /// Returns the size of the cached frames, bytes.
     pub fn bytes(&self) -> usize {
         self.bytes
     }
 
-    /// The frame of a number.
+    /// Returns the frame of a number.
     pub fn frame(&self, number: u64) -> Option<&Planes> {
         self.frames.get(&number)
     }
 
-    /// Takes the frame of the last of all looks, where it may be chosen.
-    pub fn add(&mut self, planes: Planes, all: &[Look], wish: &Wish, choose: impl Fn(&[Look]) -> Vec<Chosen>) {
+    /// Adds the frame that was tracked last, if it may be chosen.
+    pub fn add(
+        &mut self,
+        planes: Planes,
+        all: &[FrameResult],
+        criteria: &SelectionCriteria,
+        choose: impl Fn(&[FrameResult]) -> Vec<Chosen>,
+    ) {
         let Some(look) = all.last() else { return };
-        let may_be_chosen = matches!(wish.refusal(look), None | Some(Refusal::MotionUnknown));
+        let may_be_chosen = matches!(criteria.refusal(look), None | Some(Refusal::MotionUnknown));
         if !may_be_chosen || planes.length() > self.most_bytes / LEAST_FRAMES {
             return;
         }
@@ -59,10 +65,10 @@ impl Held {
         }
     }
 
-    /// Removes all but the best, down to half of the length, and the last frame, whose motion is not known yet.
-    fn thin(&mut self, all: &[Look], choose: impl Fn(&[Look]) -> Vec<Chosen>) {
+    /// Removes all but the best, up to half of the size, and the last frame, whose motion is not known yet.
+    fn thin(&mut self, all: &[FrameResult], choose: impl Fn(&[FrameResult]) -> Vec<Chosen>) {
         let held = all.iter().filter(|look| self.frames.contains_key(&look.number));
-        let mut left: Vec<Look> = held.copied().collect();
+        let mut left: Vec<FrameResult> = held.copied().collect();
         let mut best: BTreeSet<u64> = left.last().map(|last| last.number).into_iter().collect();
         let mut bytes = 0;
         while bytes < self.most_bytes / 2 {
@@ -72,7 +78,7 @@ impl Held {
             }
             for one in chosen {
                 let look = &mut left[one.at];
-                look.shows = Err(Unplaced::Unsure);
+                look.shows = Err(NoPose::Unsure);
                 best.insert(look.number);
                 bytes += self.frames.get(&look.number).map_or(0, Planes::length);
             }

@@ -1,0 +1,2 @@
+#[cfg(feature = "full")]
+pub mod film;

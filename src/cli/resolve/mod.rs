@@ -1,0 +1,4 @@
+#[cfg(feature = "full")]
+pub mod film;
+#[cfg(feature = "full")]
+pub mod names;
