@@ -461,7 +461,7 @@ fn a_new_session_is_whole_or_nothing_and_replaces_nothing() {
     );
     refused(
         &[&["there", &normal, "--copy"][..], &about].concat(),
-        &["there has files already: with --copy name a new folder"],
+        &["there has files already\nhint: with --copy name a new folder"],
     );
     refused(
         &[&["camera.yaml", &normal][..], &about].concat(),

@@ -19,8 +19,6 @@ use scaleproof_print::template::TemplateError;
 use scaleproof_print::wrap::WrapError;
 use scaleproof_score::shard::ShardError;
 use scaleproof_score::{CompareError, EvaluatedDetectorError, GroupByError, RecordError, ScoreError};
-use scaleproof_session::NewSessionError;
-use scaleproof_session::import::SessionImportError;
 use scaleproof_surface::mesh::MeshError;
 use scaleproof_surface::pattern::PatternError;
 use scaleproof_surface::texture::TextureError;
@@ -121,8 +119,6 @@ pub(super) fn on(error: &(dyn Error + 'static)) -> Option<String> {
         OutsideError::NotListed { .. } => "run the other program on it too (see `scaleproof session export`)",
         RecordError::Exists { .. } => "add --replace to store it anew, or play it with --recorded",
         ScoreError::NotRecorded { .. } => "run without --recorded, or record them again with --record",
-        SessionImportError::NoVariant { .. } => ", or give --variant for all",
-        NewSessionError::NotEmpty { .. } => "with --copy name a new folder",
         TextureError::NoCoordinates { .. } => " (--material or --faces)",
         TextureError::NoImages | TextureError::Material { .. } => "; --texture takes another image",
     }
