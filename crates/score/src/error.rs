@@ -1,6 +1,5 @@
 //! Error of a run that could not finish.
 
-use super::NotScored;
 use scaleproof_detect::{DetectError, OutsideError, ProgramError};
 use scaleproof_photo::PhotoError;
 use scaleproof_pose::tags::StartError;
@@ -51,14 +50,6 @@ pub enum ScoreError {
     Detect(#[from] DetectError),
     #[error(transparent)]
     Tags(#[from] StartError),
-}
-
-/// Returns the error of a run whose photos were all left out; none without any photo.
-pub(super) fn nothing_scored(photos: usize, first: Option<&NotScored>) -> Result<(), ScoreError> {
-    let Some(NotScored { file, reason, .. }) = first.cloned() else {
-        return Ok(());
-    };
-    Err(ScoreError::NothingScored { photos, file, reason })
 }
 
 fn none_of(photos: usize, file: &str, reason: &str) -> String {

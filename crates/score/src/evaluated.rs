@@ -26,7 +26,7 @@ pub struct EvaluatedDetector {
 
 impl EvaluatedDetector {
     /// Returns true if it may take the whole of a photo of this size, not a reduced one.
-    pub(super) fn looks_at_whole(&self, size: [u32; 2]) -> bool {
+    pub(crate) fn looks_at_whole(&self, size: [u32; 2]) -> bool {
         match &self.source {
             DetectionSource::Live(_) => self.manifest.least_px(size[0], size[1]) == size,
             DetectionSource::Program(_) | DetectionSource::Called(_) => true,

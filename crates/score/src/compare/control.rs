@@ -1,8 +1,8 @@
 //! Control, a second round of the base: effects no larger than the difference between the two rounds are withheld.
 
-use super::finding::{Effect, Finding};
-use super::result::{Compared, Control, Difference};
-use super::{CompareError, Scores, pairs};
+use crate::compare::error::CompareError;
+use crate::compare::pairs;
+use crate::figures::{Compared, Control, Difference, Effect, Finding, Scores};
 use scaleproof_core::spelling;
 
 /// Difference below which two drops count as equal.
@@ -51,7 +51,7 @@ pub fn check_control(variants: &[&str], base: &str, control: &str) -> Result<(),
 }
 
 /// Withholds effects that are no larger than those of the control.
-pub(super) fn hold_back(results: &mut [Compared], control: &Control) {
+pub(crate) fn hold_back(results: &mut [Compared], control: &Control) {
     for compared in results {
         let own = control.results.iter().find(|own| own.detector == compared.detector);
         let (Some(own), Some(finding)) = (own, compared.finding) else {

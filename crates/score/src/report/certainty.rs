@@ -1,7 +1,7 @@
 //! Sentences on the certainty of a comparison: how its findings were decided, and bounds for rates without an interval.
 
-use super::paired as shown;
-use crate::{Compared, Difference, Scores};
+use crate::figures::{Compared, Difference, Scores};
+use crate::report::paired as shown;
 use scaleproof_core::spelling::{self, digits};
 use scaleproof_core::statistics::{FEWEST_CLUSTERS, wilson_95};
 use scaleproof_plot::distinct;

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::counted;
-use crate::{EvaluatedDetector, ScoredPhoto, Scores};
+use crate::evaluated::EvaluatedDetector;
+use crate::figures::{ScoredPhoto, Scores};
+use crate::report::counted;
 use scaleproof_pose::scene::Viewpoint;
 
 #[derive(Serialize)]
@@ -138,7 +139,7 @@ pub(super) fn annotations(
         info: Info {
             description: format!(
                 "truth boxes of scale-model photos: {}; counts as the model: {}",
-                super::truth_boxes(scores),
+                crate::report::truth::truth_boxes(scores),
                 counted::labels(scores)
             ),
             version: env!("CARGO_PKG_VERSION"),

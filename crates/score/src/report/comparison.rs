@@ -5,10 +5,13 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::html::comparison as page;
-use super::provenance::{self, Provenance};
-use super::{ReportError, certainty, comparison_csv, counted, figures, latex, paired, paper, screen, tables, verdict};
-use crate::{Compared, Comparison, Difference, NotScored, Scores, comparison_definitions};
+use crate::compare::comparison_definitions;
+use crate::figures::{Compared, Comparison, Difference, NotScored, Scores};
+use crate::report::html::comparison as page;
+use crate::report::provenance::Provenance;
+use crate::report::{
+    ReportError, certainty, comparison_csv, counted, figures, latex, paired, paper, provenance, screen, tables, verdict,
+};
 use scaleproof_core::files;
 use scaleproof_core::spelling::digits;
 

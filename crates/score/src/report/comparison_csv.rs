@@ -3,8 +3,8 @@
 
 use serde_json::json;
 
-use super::{ReportError, Row, counted, csv_of};
-use crate::{Compared, Comparison, Control, Difference, Scores};
+use crate::figures::{Compared, Comparison, Control, Difference, Scores};
+use crate::report::{ReportError, Row, counted, csv_of};
 
 pub fn render(scores: &Scores, comparison: &Comparison) -> Result<String, ReportError> {
     let control = comparison.control.iter().flat_map(|control| &control.results);

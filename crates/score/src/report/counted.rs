@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::{EvaluatedDetector, Scores};
+use crate::evaluated::EvaluatedDetector;
+use crate::figures::Scores;
 use scaleproof_plot::distinct;
 use scaleproof_pose::scene::Classes;
 

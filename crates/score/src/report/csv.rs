@@ -2,8 +2,9 @@
 
 use serde_json::json;
 
-use super::{ReportError, Row, csv_of, other_label};
-use crate::{EvaluatedDetector, Protocol, ScoredPhoto, Scores};
+use crate::evaluated::EvaluatedDetector;
+use crate::figures::{Protocol, ScoredPhoto, Scores};
+use crate::report::{ReportError, Row, csv_of, other_label};
 
 pub fn render(scores: &Scores) -> Result<String, ReportError> {
     let scored = scores.photos.iter().flat_map(|photo| {

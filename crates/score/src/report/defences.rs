@@ -2,9 +2,9 @@
 
 use serde_json::json;
 
-use super::robustness::columns;
-use super::{ReportError, counted, csv_of, tables};
-use crate::{Defences, Scores};
+use crate::figures::{Defences, Scores};
+use crate::report::robustness::columns;
+use crate::report::{ReportError, counted, csv_of, tables};
 
 pub(super) const NAMES: [&str; 2] = ["defences.csv", "defences.tex"];
 

@@ -1,6 +1,7 @@
 //! An evaluation of patterns: the paper's tables (DTA, tables 1 and 2) and the paired differences behind them.
 
-use crate::{Compared, Comparison, EvaluatedDetector, Figures, Scores};
+use crate::evaluated::EvaluatedDetector;
+use crate::figures::{Compared, Comparison, Figures, Scores};
 
 pub struct Evaluation<'a> {
     pub scores: &'a Scores,

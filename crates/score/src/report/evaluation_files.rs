@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
-use super::evaluation::Evaluation;
-use super::html::evaluation as page;
-use super::{ReportError, csv_of, latex};
+use crate::report::evaluation::Evaluation;
+use crate::report::html::evaluation as page;
+use crate::report::{ReportError, csv_of, latex};
 use scaleproof_core::files;
 
 /// Writes every file of an evaluation into a folder, or none, and returns the path of the page to open.

@@ -1,8 +1,8 @@
 //! An evaluation of patterns for the terminal.
 
-use super::evaluation::Evaluation;
-use super::{counted, tables, verdict};
-use crate::BASE_VARIANT;
+use crate::figures::BASE_VARIANT;
+use crate::report::evaluation::Evaluation;
+use crate::report::{counted, tables, verdict};
 
 /// Returns the verdict, the paper's tables, and the differences of AP@0.5 with their intervals.
 pub fn evaluation_tables(evaluation: &Evaluation) -> String {

@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use super::{coco, counted};
-use crate::{ScoredPhoto, Scores};
+use crate::figures::{ScoredPhoto, Scores};
+use crate::report::{coco, counted};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_detect::{Labels, flat_name};
 

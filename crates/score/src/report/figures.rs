@@ -1,7 +1,8 @@
 //! Charts of the pages as SVG and PDF files for papers.
 
-use super::{ReportError, certainty, html};
-use crate::{Comparison, Scores, paired};
+use crate::compare::paired;
+use crate::figures::{Comparison, Scores};
+use crate::report::{ReportError, certainty, html};
 use scaleproof_detect::Speeds;
 use scaleproof_plot::{Drawing, Explained, figure};
 

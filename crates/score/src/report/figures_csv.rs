@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::{ReportError, Row, counted, csv_of};
-use crate::{Asr, Drop, Figures, Protocol, Rate, Scores, Summary};
+use crate::figures::{Asr, Drop, Figures, Protocol, Rate, Scores, Summary};
+use crate::report::{ReportError, Row, counted, csv_of};
 use scaleproof_pose::scene::Bin;
 
 pub fn render(scores: &Scores) -> Result<String, ReportError> {

@@ -1,9 +1,11 @@
 //! Tables for a paper, in booktabs' style: `table.tex`, detector × texture, and `comparison.tex`, the drops with their intervals, a table for each endpoint.
 
-use super::evaluation::Evaluation;
-use super::tex::{escaped, number, row, tabular};
-use super::{Cell, certainty, p_value, paired, tables};
-use crate::{Compared, Comparison, Difference, Effect, Scores, disagreements, paired as all_paired};
+use crate::compare::paired as all_paired;
+use crate::figures::{Compared, Comparison, Difference, Effect, Scores, disagreements};
+use crate::report::evaluation::Evaluation;
+use crate::report::table::cell::Cell;
+use crate::report::tex::{escaped, number, row, tabular};
+use crate::report::{certainty, p_value, paired, tables};
 
 /// Returns the whole file: a comment that explains the numbers, and one `tabular`.
 pub fn table(scores: &Scores) -> String {
@@ -59,7 +61,7 @@ fn comments(sentences: impl Iterator<Item = String>) -> String {
 
 /// Returns the labels that count as the model, as one line of a comment.
 fn commented(scores: &Scores) -> String {
-    super::counted(scores).replace(char::is_control, " ")
+    crate::report::counted(scores).replace(char::is_control, " ")
 }
 
 /// Returns the drops of a comparison: a comment that explains the numbers, and a `tabular` for each endpoint, which fits one column of a paper of

@@ -35,28 +35,32 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use serde_json::Value;
 
-use crate::{EvaluatedDetector, ScoredPhoto, Scores};
+use crate::evaluated::EvaluatedDetector;
+use crate::figures::{ScoredPhoto, Scores};
 use scaleproof_core::files;
 use scaleproof_core::spelling::digits;
 use scaleproof_detect::{Manifest, Speeds, coco_results};
 use scaleproof_plot::pdf::PdfError;
 
-pub use comparison::{ComparisonPage, comparison_json, comparison_table, further_comparison, write_comparison};
-pub use comparison_csv::render as comparison_csv;
-pub use counted::{box_labels, counted};
-pub use csv::render as photos_csv;
-pub use evaluation::Evaluation;
-pub use evaluation_files::write_evaluation;
-pub use evaluation_screen::evaluation_tables;
-pub use export::{ExportFormat, check_export, export};
-pub use figures_csv::render as figures_csv;
-pub use html::comparison::render as comparison_html;
-pub use paired::briefly;
-pub use screen::{further_tables, summary_table};
-pub use sequential::standing;
-pub use summary_json::{SummaryPage, summary_json};
-pub use table::{Cell, Column, Side, Table, Value as CellValue};
-pub use truth::truth_boxes;
+pub use crate::report::comparison::{
+    ComparisonPage, comparison_json, comparison_table, further_comparison, write_comparison,
+};
+pub use crate::report::comparison_csv::render as comparison_csv;
+pub use crate::report::counted::{box_labels, counted};
+pub use crate::report::csv::render as photos_csv;
+pub use crate::report::evaluation::Evaluation;
+pub use crate::report::evaluation_files::write_evaluation;
+pub use crate::report::evaluation_screen::evaluation_tables;
+pub use crate::report::export::{ExportFormat, check_export, export};
+pub use crate::report::figures_csv::render as figures_csv;
+pub use crate::report::html::comparison::render as comparison_html;
+pub use crate::report::paired::briefly;
+pub use crate::report::screen::{further_tables, summary_table};
+pub use crate::report::sequential::standing;
+pub use crate::report::summary_json::{SummaryPage, summary_json};
+pub use crate::report::table::cell::{Cell, Value as CellValue};
+pub use crate::report::table::{Column, Side, Table};
+pub use crate::report::truth::truth_boxes;
 
 const SUMMARY: &str = "summary.json";
 

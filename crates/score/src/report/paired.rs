@@ -1,7 +1,8 @@
 //! Sentences about the drop on paired photos: they stand beside every drop.
 
-use super::p_value;
-use crate::{BASE_VARIANT, Compared, Difference, Effect, Finding, PlanCheck, Scores, paired, paired_control};
+use crate::compare::{paired, paired_control};
+use crate::figures::{BASE_VARIANT, Compared, Difference, Effect, Finding, PlanCheck, Scores};
+use crate::report::p_value;
 use scaleproof_core::spelling::{self, digits};
 use scaleproof_core::statistics::Interval;
 

@@ -1,8 +1,8 @@
 //! Sentences on a comparison for a paper, with its caveats, ready to paste.
 
-use super::paired::{WITHHELD, is_withheld, named_base};
-use super::{p_value, verdict};
-use crate::{Compared, Comparison, Effect, PlanCheck, Scores};
+use crate::figures::{Compared, Comparison, Effect, PlanCheck, Scores};
+use crate::report::paired::{WITHHELD, is_withheld, named_base};
+use crate::report::{p_value, verdict};
 use scaleproof_core::spelling::{self, digits};
 use scaleproof_plot::distinct;
 

@@ -1,7 +1,7 @@
 //! The table of a run's protocol as files: `protocol.csv` and `protocol.tex`.
 
-use super::{ReportError, tables};
-use crate::Scores;
+use crate::figures::Scores;
+use crate::report::{ReportError, tables};
 
 /// Returns names and contents of the files; none when the run follows no protocol.
 pub(super) fn files(scores: &Scores) -> Result<Vec<(String, String)>, ReportError> {

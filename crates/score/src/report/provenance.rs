@@ -4,8 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
-use super::counted;
-use crate::{AppliedSettings, DetectionSource, EvaluatedDetector, Protocol, Scores, WornPattern};
+use crate::evaluated::{DetectionSource, EvaluatedDetector};
+use crate::figures::{AppliedSettings, Protocol, Scores, WornPattern};
+use crate::report::counted;
 use scaleproof_core::files;
 use scaleproof_detect::{Recorded, SCORE_FLOOR};
 

@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::{ReportError, counted, csv_of};
-use crate::{Difference, Held, Robustness, Scores};
+use crate::figures::{Difference, Held, Robustness, Scores};
+use crate::report::{ReportError, counted, csv_of};
 
 pub(super) const NAME: &str = "robustness.csv";
 

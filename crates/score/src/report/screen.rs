@@ -1,7 +1,10 @@
 //! Screen of a scoring run: the verdict, one table, and on request the rest.
 
-use super::{Table, certainty, counted, paper, tables, truth_boxes, verdict};
-use crate::{Scores, disagreements, paired as all_paired};
+use crate::compare::paired as all_paired;
+use crate::figures::{Scores, disagreements};
+use crate::report::table::Table;
+use crate::report::truth::truth_boxes;
+use crate::report::{certainty, counted, paper, tables, verdict};
 
 /// Number of letters that fit on a line of a screen.
 const LETTERS: usize = 100;

@@ -1,8 +1,8 @@
 //! A sequential comparison in words.
 
-use super::p_value;
-use super::paired::briefly;
-use crate::{ClusteredBy, Course, Decision, Scores, Sequential, SequentialFinding};
+use crate::figures::{ClusteredBy, Course, Decision, Scores, Sequential, SequentialFinding};
+use crate::report::p_value;
+use crate::report::paired::briefly;
 use scaleproof_core::spelling;
 
 /// Evidence from which a drop is shown, as a base-10 logarithm (a factor of 40).

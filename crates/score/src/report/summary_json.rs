@@ -5,12 +5,13 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::provenance::{self, Provenance};
-use super::{counted, paper, tables};
-use crate::{
+use crate::compare::paired;
+use crate::figures::{
     Compared, Curves, Defences, NotScored, ProtocolTable, Ranking, Reliability, Robustness, Scores, Summary,
-    TransferRow, curves, disagreements, paired, protocol_table, reliability, transfer,
+    TransferRow, curves, disagreements, protocol_table, reliability, transfer,
 };
+use crate::report::provenance::Provenance;
+use crate::report::{counted, paper, provenance, tables};
 use scaleproof_detect::Speeds;
 
 /// `summary.json`.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::Scores;
+use crate::figures::Scores;
 use scaleproof_core::files;
 use scaleproof_pose::scene::Envelope;
 

@@ -1,7 +1,7 @@
 //! Verdict of a comparison, in a sentence for each texture: it stands above every table.
 
-use super::paired;
-use crate::{Compared, Effect, Scores};
+use crate::figures::{Compared, Effect, Scores};
+use crate::report::paired;
 use scaleproof_core::spelling::count;
 use scaleproof_plot::distinct;
 

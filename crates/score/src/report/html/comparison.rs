@@ -2,10 +2,11 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use super::{Section, first, interval_chart, notes, pairs, sequential, shell};
+use crate::compare::comparison_definitions;
+use crate::figures::{Compared, Comparison, Difference, PlanCheck, Scores};
+use crate::report::html::{Section, first, interval_chart, notes, pairs, sequential, shell};
 use crate::report::paper::Judged;
 use crate::report::{certainty, number, paired, tables};
-use crate::{Compared, Comparison, Difference, PlanCheck, Scores, comparison_definitions};
 use scaleproof_plot::Anchor::{End, Middle, Start};
 use scaleproof_plot::{BLACK, Drawing, FAINT, INK, Mark, NOTE, WHITE};
 
@@ -18,7 +19,7 @@ pub fn render(scores: &Scores, comparison: &Comparison) -> String {
     let (results, base) = (comparison.results.as_slice(), comparison.base.as_str());
     let chance = notes::bootstrap(comparison);
     let photos = pairs::photos(scores, comparison);
-    let script = html! { @if !photos.is_empty() { script { (PreEscaped(super::SCRIPT)) } } };
+    let script = html! { @if !photos.is_empty() { script { (PreEscaped(crate::report::html::SCRIPT)) } } };
     let tail = html! { (first::library(scores, results, base, photos)) (script) };
     let first =
         html! { @if let Some(check) = &comparison.plan { (plan(check)) } (first::screen(scores, results, base)) };
@@ -51,7 +52,7 @@ pub fn render(scores: &Scores, comparison: &Comparison) -> String {
         .map(|(id, title, content)| Section::folded(id, title, content));
     shell(
         scores,
-        &super::lead(scores),
+        &crate::report::html::lead(scores),
         &first,
         &open.chain(folded).collect::<Vec<_>>(),
         tail,

@@ -4,9 +4,10 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{Markup, PreEscaped, html};
 
-use super::{filters, side};
+use crate::evaluated::EvaluatedDetector;
+use crate::figures::{ScoredPhoto, Scores};
+use crate::report::html::{filters, side};
 use crate::report::{number, other_label};
-use crate::{EvaluatedDetector, ScoredPhoto, Scores};
 use scaleproof_detect::Detection;
 
 /// Largest number of photos that are shown: with more the page would be too large to open.

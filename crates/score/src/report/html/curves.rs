@@ -2,8 +2,8 @@
 
 use maud::{Markup, html};
 
-use super::{SIDE, SQUARE, colour, colour_names, small_charts};
-use crate::{Curves, HitRateFrom, Scores, curves};
+use crate::figures::{Curves, HitRateFrom, Scores, curves};
+use crate::report::html::{SIDE, SQUARE, colour, colour_names, small_charts};
 use scaleproof_plot::Anchor::Middle;
 use scaleproof_plot::{BLACK, Colour, Drawing, INK, Mark};
 

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use crate::Scores;
+use crate::figures::Scores;
 use crate::report::tables;
 
 /// Renders the section; `None` for a run without defences.

@@ -2,9 +2,9 @@
 
 use maud::html;
 
-use super::{ACROSS, Section, first, lead, notes, patterns, shell};
-use crate::BASE_VARIANT;
+use crate::figures::BASE_VARIANT;
 use crate::report::evaluation::Evaluation;
+use crate::report::html::{ACROSS, Section, first, lead, notes, patterns, shell};
 use crate::report::paper::Judged;
 use crate::report::tables;
 use scaleproof_core::spelling;

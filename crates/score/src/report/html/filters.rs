@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use maud::{Markup, html};
 
-use super::side;
-use crate::{PhotoOutcome, ScoredPhoto, Scores, Verdict};
+use crate::figures::{PhotoOutcome, ScoredPhoto, Scores, Verdict};
+use crate::report::html::side;
 use scaleproof_pose::scene::Bin;
 
 /// A filter: its key on the cards, its name, and (value, name) of each option.

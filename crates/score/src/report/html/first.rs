@@ -2,9 +2,9 @@
 
 use maud::{Markup, html};
 
-use super::{contact, interval_chart, strip};
+use crate::figures::{Compared, Scores};
+use crate::report::html::{contact, interval_chart, strip};
 use crate::report::{paired, tables, verdict};
-use crate::{Compared, Scores};
 
 /// Renders the first screen of a report or comparison; a table of figures where nothing is compared.
 pub(super) fn screen(scores: &Scores, results: &[Compared], base: &str) -> Markup {
@@ -33,7 +33,12 @@ fn basis(results: &[Compared]) -> String {
 }
 
 /// Renders the photos that a page shows, each once: those of the strip and `others`.
-pub(super) fn library(scores: &Scores, results: &[Compared], base: &str, others: Vec<&crate::ScoredPhoto>) -> Markup {
+pub(super) fn library(
+    scores: &Scores,
+    results: &[Compared],
+    base: &str,
+    others: Vec<&crate::figures::photo::ScoredPhoto>,
+) -> Markup {
     let mut photos = others;
     for photo in strip::photos(scores, results, base) {
         if photos.iter().all(|known| known.id != photo.id) {

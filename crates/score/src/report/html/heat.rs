@@ -4,10 +4,11 @@ use std::collections::BTreeSet;
 
 use maud::{Markup, html};
 
-use super::side;
+use crate::evaluated::EvaluatedDetector;
+use crate::figures::{CellFigures, Scores, Summary};
+use crate::report::html::side;
 use crate::report::number;
 use crate::report::shade::{ink, shade};
-use crate::{CellFigures, EvaluatedDetector, Scores, Summary};
 use scaleproof_plot::Anchor::{End, Middle, Start};
 use scaleproof_plot::{BLACK, Colour, Drawing, Mark, NOTE, WHITE};
 use scaleproof_pose::scene::Bin;

@@ -2,9 +2,9 @@
 
 use maud::{Markup, html};
 
-use super::colour;
+use crate::figures::{Compared, Scores};
+use crate::report::html::colour;
 use crate::report::{number, paired};
-use crate::{Compared, Scores};
 use scaleproof_plot::Anchor::{End, Middle, Start};
 use scaleproof_plot::{BLACK, Colour, Drawing, FAINT, INK, Mark, NOTE, WHITE, distinct};
 

@@ -2,9 +2,9 @@
 
 use maud::{Markup, html};
 
-use super::{heads, rows_by_detector, table, title_of};
+use crate::figures::{Figures, Scores, Summary};
+use crate::report::html::{heads, rows_by_detector, table, title_of};
 use crate::report::number;
-use crate::{Figures, Scores, Summary};
 
 /// Renders a bar of all photos for each detector and texture: hits, misclassified, disappeared.
 pub(super) fn outcomes(scores: &Scores) -> Markup {

@@ -23,9 +23,12 @@ mod strip;
 
 use maud::{Markup, PreEscaped, html};
 
+use crate::compare::paired as all_paired;
+use crate::evaluated::EvaluatedDetector;
+use crate::figures::{Scores, Summary};
 use crate::report::paper::Judged;
-use crate::report::{Table, tables, verdict};
-use crate::{EvaluatedDetector, Scores, Summary, paired as all_paired};
+use crate::report::table::Table;
+use crate::report::{tables, verdict};
 use scaleproof_core::spelling;
 use scaleproof_detect::{ForeignKind, Speeds};
 use scaleproof_plot::Anchor::{End, Middle};

@@ -2,10 +2,11 @@
 
 use maud::{Markup, html};
 
-use super::{heads, table};
+use crate::figures::{Compared, Comparison, NotScored, Scores, disagreements};
+use crate::report::html::{heads, table};
 use crate::report::paper::Judged;
-use crate::report::{certainty, counted, paper, provenance, truth_boxes};
-use crate::{Compared, Comparison, NotScored, Scores, disagreements};
+use crate::report::truth::truth_boxes;
+use crate::report::{certainty, counted, paper, provenance};
 use scaleproof_core::spelling;
 
 /// Renders sentences for a paper, how effects were decided, where AP and hits disagree, and the definitions in short.

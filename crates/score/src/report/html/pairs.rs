@@ -4,9 +4,10 @@ use std::collections::BTreeSet;
 
 use maud::{Markup, html};
 
-use super::{contact, filters, side};
+use crate::compare::paired_photos;
+use crate::figures::{Comparison, PhotoOutcome, ScoredPhoto, Scores};
+use crate::report::html::{contact, filters, side};
 use crate::report::number;
-use crate::{Comparison, PhotoOutcome, ScoredPhoto, Scores, paired_photos};
 
 /// Largest number of pairs that are shown: with more the page would be too large to open.
 const MOST_PAIRS: usize = 200;

@@ -4,7 +4,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{Markup, html};
 
-use crate::{ScoredPhoto, Scores, WornPattern};
+use crate::figures::{ScoredPhoto, Scores, WornPattern};
 
 /// Number of photos that show a texture on the model.
 const STRIP: usize = 8;

@@ -2,8 +2,8 @@
 
 use maud::{Markup, html};
 
-use super::{colour, colour_names};
-use crate::{BinFigures, Scores};
+use crate::figures::{BinFigures, Scores};
+use crate::report::html::{colour, colour_names};
 use scaleproof_plot::Anchor::{End, Middle, Start};
 use scaleproof_plot::{Colour, Drawing, FAINT, Mark, NOTE, WHITE};
 

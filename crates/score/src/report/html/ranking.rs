@@ -2,9 +2,9 @@
 
 use maud::{Markup, html};
 
-use super::{Plane, colour, colour_names, small_charts};
+use crate::figures::{RankingRow, Scores};
+use crate::report::html::{Plane, colour, colour_names, small_charts};
 use crate::report::tables;
-use crate::{RankingRow, Scores};
 use scaleproof_plot::Anchor::Middle;
 use scaleproof_plot::{BLACK, Drawing, Mark};
 

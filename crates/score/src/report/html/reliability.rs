@@ -2,9 +2,9 @@
 
 use maud::{Markup, html};
 
-use super::{SIDE, SQUARE, small_charts};
+use crate::figures::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, Scores, reliability};
+use crate::report::html::{SIDE, SQUARE, small_charts};
 use crate::report::number;
-use crate::{ConfidenceBin, RELIABILITY_FLOOR, Reliability, Scores, reliability};
 use scaleproof_core::spelling;
 use scaleproof_plot::Anchor::Middle;
 use scaleproof_plot::{BLACK, Colour, Drawing, INK, Mark, NOTE};

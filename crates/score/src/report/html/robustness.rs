@@ -2,9 +2,9 @@
 
 use maud::{Markup, html};
 
-use super::{Plane, colour, colour_names, small_charts};
+use crate::figures::{CorruptedRow, Robustness, Scores};
+use crate::report::html::{Plane, colour, colour_names, small_charts};
 use crate::report::tables;
-use crate::{CorruptedRow, Robustness, Scores};
 use scaleproof_plot::Anchor::Middle;
 use scaleproof_plot::{Colour, Drawing, Mark, NOTE, WHITE, distinct};
 

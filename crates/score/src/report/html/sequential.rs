@@ -2,10 +2,10 @@
 
 use maud::{Markup, html};
 
-use super::{colour, colour_names, small_charts};
+use crate::figures::{Comparison, Course, Scores, Sequential};
+use crate::report::html::{colour, colour_names, small_charts};
 use crate::report::sequential::{SHOWN_FROM, figures, note, unit};
 use crate::report::tables;
-use crate::{Comparison, Course, Scores, Sequential};
 use scaleproof_plot::Anchor::{End, Middle};
 use scaleproof_plot::{BLACK, Drawing, FAINT, INK, Mark, NOTE};
 

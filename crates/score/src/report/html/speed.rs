@@ -2,8 +2,8 @@
 
 use maud::{Markup, html};
 
-use super::colour;
-use crate::Scores;
+use crate::figures::Scores;
+use crate::report::html::colour;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::spelling;
 use scaleproof_detect::{Speed, Speeds};

@@ -2,9 +2,10 @@
 
 use maud::{Markup, html};
 
-use super::{contact, side};
+use crate::compare::paired_photos;
+use crate::figures::{Compared, ScoredPhoto, Scores};
+use crate::report::html::{contact, side};
 use crate::report::number;
-use crate::{Compared, ScoredPhoto, Scores, paired_photos};
 use scaleproof_plot::distinct;
 
 /// Largest number of textures: more would push the chart off the first screen.

@@ -2,7 +2,8 @@
 
 use serde_json::{Map, Value as Json, json};
 
-use super::{Cell, Table, Value};
+use crate::report::table::Table;
+use crate::report::table::cell::{Cell, Value};
 use crate::report::{ReportError, csv_of};
 
 /// Endings of a column's key where its cells hold more than one number.

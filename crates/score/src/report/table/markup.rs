@@ -2,9 +2,10 @@
 
 use maud::{Markup, html};
 
-use super::{Cell, Side, Table, Value};
 use crate::report::number;
 use crate::report::shade::{ink, shade};
+use crate::report::table::cell::{Cell, Value};
+use crate::report::table::{Side, Table};
 
 /// Number of letters above which a remark stands below its value.
 const LONG: usize = 12;

@@ -1,12 +1,12 @@
 //! A table of a report, put together once and written in every form: for the terminal, LaTeX, HTML, CSV and JSON.
 
-mod cell;
+pub(crate) mod cell;
 mod flat;
 mod markup;
 mod tex;
 mod text;
 
-pub use cell::{Cell, Value};
+pub use crate::report::table::cell::Cell;
 
 /// Rows of typed cells below named columns.
 #[derive(Debug, Clone, PartialEq)]

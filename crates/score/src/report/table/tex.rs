@@ -1,6 +1,7 @@
 //! A table as a `tabular` in booktabs' style.
 
-use super::{Cell, Side, Table, Value};
+use crate::report::table::cell::{Cell, Value};
+use crate::report::table::{Side, Table};
 use crate::report::tex::{escaped, number, row, tabular};
 
 impl Table {

@@ -1,7 +1,8 @@
 //! Table of the drop of the hit rate in each direction.
 
-use crate::report::{Cell, Column, Table};
-use crate::{Compared, Scores};
+use crate::figures::{Compared, Scores};
+use crate::report::table::cell::Cell;
+use crate::report::table::{Column, Table};
 
 /// Returns a row for each detector and texture, a column for each azimuth.
 pub(in crate::report) fn by_azimuth(scores: &Scores, results: &[Compared]) -> Table {

@@ -1,7 +1,8 @@
 //! Tables of figures by a condition that photos were grouped by.
 
-use crate::report::{Cell, Column, Table};
-use crate::{ConditionFigures, Scores};
+use crate::figures::{ConditionFigures, Scores};
+use crate::report::table::cell::Cell;
+use crate::report::table::{Column, Table};
 use scaleproof_core::spelling::digits;
 use scaleproof_plot::distinct;
 

@@ -1,7 +1,8 @@
 //! Tables of differences between variants on defended photos, and of the changes by each defence.
 
-use crate::report::{Cell, Column, Table};
-use crate::{Defences, DefendedRow, Held, UNDEFENDED};
+use crate::figures::{Defences, DefendedRow, Held, UNDEFENDED};
+use crate::report::table::cell::Cell;
+use crate::report::table::{Column, Table};
 use scaleproof_core::statistics::Interval;
 use scaleproof_plot::distinct;
 

@@ -1,7 +1,10 @@
 //! Table of the effect of each texture on each detector, the main one of a comparison.
 
-use crate::report::{Cell, CellValue, Column, Table, paired};
-use crate::{Compared, Effect, MOST_HIT, Scores, Summary, paired_control};
+use crate::compare::{MOST_HIT, paired_control};
+use crate::figures::{Compared, Effect, Scores, Summary};
+use crate::report::paired;
+use crate::report::table::cell::{Cell, Value};
+use crate::report::table::{Column, Table};
 use scaleproof_core::spelling::{self, digits};
 
 /// Returns a row for each detector and texture: the effect, the mean confidence and hits of the base and of the texture.
@@ -47,7 +50,7 @@ fn row(scores: &Scores, r: &Compared) -> Vec<Cell> {
         .with_remark(remark(r)),
         Cell::number(d.drop, 2).with_interval(d.interval_95),
         Cell::change(d.base, d.other, 2),
-        Cell::of(CellValue::ShareChange { from, to, of }),
+        Cell::of(Value::ShareChange { from, to, of }),
         Cell::change(r.ap50.base, r.ap50.other, 2),
     ]
 }

@@ -1,8 +1,10 @@
 //! Tables of the figures of every detector and texture, in the layout of the field's papers.
 
-use super::by_detector;
-use crate::report::{Cell, Column, Table, paired};
-use crate::{Compared, Difference, Drop, Scores, Summary};
+use crate::figures::{Compared, Difference, Drop, Scores, Summary};
+use crate::report::paired;
+use crate::report::table::cell::Cell;
+use crate::report::table::{Column, Table};
+use crate::report::tables::by_detector;
 use scaleproof_core::statistics::Interval;
 
 /// Returns AP, hit rate and confidence with their drops from the base.

@@ -1,9 +1,10 @@
 //! Table of a sequential comparison.
 
+use crate::figures::{Course, Decision, Scores, Sequential};
 use crate::report::paired::briefly;
 use crate::report::sequential::{figures, found, p_of, repeats, rounds, unit};
-use crate::report::{Cell, Column, Table};
-use crate::{Course, Decision, Scores, Sequential};
+use crate::report::table::cell::Cell;
+use crate::report::table::{Column, Table};
 
 /// Returns two rows for each detector and texture: the findings on the confidence and on the hits so far, and the look after which they were shown.
 pub(in crate::report) fn looks(scores: &Scores, sequential: &Sequential) -> Table {

@@ -15,23 +15,26 @@ mod survival;
 mod taken;
 mod transfer;
 
-pub(super) use azimuth::by_azimuth;
-pub(super) use conditions::conditions;
-pub(super) use defended::defended;
-pub(super) use effects::effects;
-pub(super) use figures::{figures, figures_of_screen};
-pub(super) use looks::looks;
-pub(super) use order::order;
-pub(super) use outcomes::outcomes;
-pub(super) use papers::papers;
-pub(super) use patterns::{by_pattern, differences};
-pub(super) use protocol::protocol;
-pub(super) use survival::survival;
-pub(super) use taken::taken;
-pub(super) use transfer::transferred;
+use crate::figures::{Scores, Summary};
+use crate::report::table::Table;
+use crate::report::table::cell::Cell;
 
-use super::{Cell, Table};
-use crate::{Scores, Summary};
+pub(super) use crate::report::tables::azimuth::by_azimuth;
+pub(super) use crate::report::tables::conditions::conditions;
+pub(super) use crate::report::tables::defended::defended;
+pub(super) use crate::report::tables::effects::effects;
+pub(super) use crate::report::tables::figures::figures;
+pub(super) use crate::report::tables::figures::figures_of_screen;
+pub(super) use crate::report::tables::looks::looks;
+pub(super) use crate::report::tables::order::order;
+pub(super) use crate::report::tables::outcomes::outcomes;
+pub(super) use crate::report::tables::papers::papers;
+pub(super) use crate::report::tables::patterns::by_pattern;
+pub(super) use crate::report::tables::patterns::differences;
+pub(super) use crate::report::tables::protocol::protocol;
+pub(super) use crate::report::tables::survival::survival;
+pub(super) use crate::report::tables::taken::taken;
+pub(super) use crate::report::tables::transfer::transferred;
 
 /// Returns the tables that a run has only on request.
 pub(super) fn asked_for(scores: &Scores) -> Vec<Table> {

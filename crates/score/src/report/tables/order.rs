@@ -1,7 +1,8 @@
 //! Table of the order of the textures here against that in other sessions.
 
-use crate::report::{Cell, Column, Table};
-use crate::{Ranking, RankingFinding, RankingRow, Scores};
+use crate::figures::{Ranking, RankingFinding, RankingRow, Scores};
+use crate::report::table::cell::Cell;
+use crate::report::table::{Column, Table};
 use scaleproof_core::spelling::digits;
 
 /// Returns a row for each detector, and for each value of a condition that photos were grouped by.

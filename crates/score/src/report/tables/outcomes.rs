@@ -1,8 +1,9 @@
 //! Table of hits and misses.
 
-use super::by_detector;
-use crate::report::{Cell, Column, Table};
-use crate::{Scores, Summary};
+use crate::figures::{Scores, Summary};
+use crate::report::table::cell::Cell;
+use crate::report::table::{Column, Table};
+use crate::report::tables::by_detector;
 
 /// Returns hits, photos with another class alone, photos with nothing on the model, and hallucinations.
 pub(in crate::report) fn outcomes(scores: &Scores) -> Table {

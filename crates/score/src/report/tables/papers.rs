@@ -1,8 +1,10 @@
 //! Table of the figures that papers compare beside AP@0.5.
 
-use super::by_detector;
-use crate::report::{Cell, Column, Table, certainty, paired};
-use crate::{Compared, Difference, Scores, Summary};
+use crate::figures::{Compared, Difference, Scores, Summary};
+use crate::report::table::cell::Cell;
+use crate::report::table::{Column, Table};
+use crate::report::tables::by_detector;
+use crate::report::{certainty, paired};
 
 /// Returns AP@[.5:.95], recalls, false positives and attack success rates.
 pub(in crate::report) fn papers(scores: &Scores) -> Table {

@@ -1,8 +1,11 @@
 //! The paper's tables of an evaluation (DTA, tables 1 and 2), and the paired differences behind them.
 
+use crate::evaluated::EvaluatedDetector;
+use crate::figures::{BASE_VARIANT, Compared};
 use crate::report::evaluation::{Evaluation, SCOPE};
-use crate::report::{Cell, Column, Table, paired};
-use crate::{BASE_VARIANT, Compared, EvaluatedDetector};
+use crate::report::paired;
+use crate::report::table::cell::Cell;
+use crate::report::table::{Column, Table};
 use scaleproof_core::spelling;
 
 /// Returns table 1, AP@0.5 and mean confidence of the detectors that the patterns were made against, and table 2, AP@0.5 of the others, where there

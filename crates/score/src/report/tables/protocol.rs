@@ -1,7 +1,8 @@
 //! Table that a protocol's paper prints.
 
-use crate::report::{Cell, Column, Table};
-use crate::{ProtocolTable, Scores, protocol_table};
+use crate::figures::{ProtocolTable, Scores, protocol_table};
+use crate::report::table::cell::Cell;
+use crate::report::table::{Column, Table};
 
 /// Returns the table of the run's protocol; `None` when it follows none.
 pub(in crate::report) fn protocol(scores: &Scores) -> Option<Table> {

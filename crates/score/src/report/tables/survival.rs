@@ -1,7 +1,9 @@
 //! Table of the severities up to which each drop holds on corrupted photos.
 
-use crate::report::{Cell, Column, Table};
-use crate::{BASE_LOST, Robustness, SEVERITIES, Survival};
+use crate::figures::{BASE_LOST, Robustness, Survival};
+use crate::report::table::cell::Cell;
+use crate::report::table::{Column, Table};
+use crate::robustness::SEVERITIES;
 use scaleproof_plot::distinct;
 
 /// Returns a row for each detector and comparison, a column for each corruption: the severities at which the drop of AP@0.5 lies above 0.

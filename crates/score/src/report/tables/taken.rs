@@ -3,8 +3,10 @@
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
-use crate::report::{Cell, Column, Table, counted, other_label};
-use crate::{ScoredPhoto, Scores};
+use crate::figures::{ScoredPhoto, Scores};
+use crate::report::table::cell::Cell;
+use crate::report::table::{Column, Table};
+use crate::report::{counted, other_label};
 
 /// Name for no label at all.
 const NOTHING: &str = "nothing";

@@ -1,7 +1,9 @@
 //! Tables of the transfer of each texture's effect to other detectors.
 
-use crate::report::{Cell, Column, Table, paired};
-use crate::{Scores, TransferDrop, transfer};
+use crate::figures::{Scores, TransferDrop, transfer};
+use crate::report::paired;
+use crate::report::table::cell::Cell;
+use crate::report::table::{Column, Table};
 use scaleproof_core::spelling::digits;
 
 /// Returns pattern × detector: the drop of AP@0.5, darker the larger it is, and that of the hit rate; a table for every `across` detectors. None
@@ -12,7 +14,7 @@ pub(in crate::report) fn transferred(scores: &Scores, across: usize) -> Vec<Tabl
         return Vec::new();
     }
     let caption = format!("Transfer: drop from {}, pattern × detector", scores.base);
-    let of_some = |(i, some): (usize, &[crate::EvaluatedDetector])| {
+    let of_some = |(i, some): (usize, &[crate::evaluated::EvaluatedDetector])| {
         let titles = some.iter().map(|d| Column::numbers(&d.manifest.title));
         let mut table = Table::new(
             &caption,
