@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use crate::figures::{ScoredPhoto, Scores};
-use crate::report::{coco, counted};
+use crate::report::json::coco;
+use crate::report::words::counted;
 use scaleproof_core::files::{self, FileError};
 use scaleproof_detect::{Labels, flat_name};
 

@@ -6,12 +6,12 @@ use serde::Serialize;
 
 use crate::evaluated::{DetectionSource, EvaluatedDetector};
 use crate::figures::{AppliedSettings, Protocol, Scores, WornPattern};
-use crate::report::counted;
+use crate::report::words::counted;
 use scaleproof_core::files;
 use scaleproof_detect::{Recorded, SCORE_FLOOR};
 
 #[derive(Serialize, schemars::JsonSchema)]
-pub(super) struct Provenance {
+pub(crate) struct Provenance {
     /// Version of the program.
     pub scaleproof: &'static str,
     /// Version and build of ONNX Runtime; `null` when no detector was run.
@@ -40,7 +40,7 @@ pub(super) struct Provenance {
 }
 
 #[derive(Serialize, schemars::JsonSchema)]
-pub(super) struct DetectorProvenance {
+pub(crate) struct DetectorProvenance {
     /// Name in the manifest, which also gives `title`, `origin` and `licence`.
     pub name: String,
     pub title: String,
@@ -63,7 +63,7 @@ pub(super) struct DetectorProvenance {
 }
 
 #[derive(Serialize, schemars::JsonSchema)]
-pub(super) struct SessionProvenance {
+pub(crate) struct SessionProvenance {
     /// Name of the session's folder.
     pub folder: String,
     /// Name of the model; its `scale` is 10 for 1:10.
@@ -83,7 +83,7 @@ pub(super) struct SessionProvenance {
     pub files: BTreeMap<String, String>,
 }
 
-pub(super) fn from_scores(scores: &Scores) -> Provenance {
+pub(crate) fn from_scores(scores: &Scores) -> Provenance {
     Provenance {
         scaleproof: env!("CARGO_PKG_VERSION"),
         onnx_runtime: scores.runtime.clone(),

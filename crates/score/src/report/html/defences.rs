@@ -6,7 +6,7 @@ use crate::figures::Scores;
 use crate::report::tables;
 
 /// Renders the section; `None` for a run without defences.
-pub(super) fn section(scores: &Scores) -> Option<Markup> {
+pub(crate) fn section(scores: &Scores) -> Option<Markup> {
     let defences = scores.defences.as_ref()?;
     Some(html! {
         @for table in tables::defended(defences) { p.note { (table.caption) "." } (table.markup()) }

@@ -4,12 +4,13 @@ use maud::html;
 
 use crate::figures::BASE_VARIANT;
 use crate::report::evaluation::Evaluation;
-use crate::report::html::{ACROSS, Section, first, lead, notes, patterns, shell};
-use crate::report::paper::Judged;
+use crate::report::html::page::{ACROSS, Section, lead, shell};
+use crate::report::html::{first, notes, patterns};
 use crate::report::tables;
+use crate::report::words::paper::Judged;
 use scaleproof_core::spelling;
 
-pub(in crate::report) fn render(evaluation: &Evaluation) -> String {
+pub(crate) fn render(evaluation: &Evaluation) -> String {
     let scores = evaluation.scores;
     let against_base = evaluation.comparisons.iter().find(|c| c.base == BASE_VARIANT);
     let results = against_base.map_or(&[][..], |comparison| &comparison.results);

@@ -3,18 +3,19 @@
 use maud::{Markup, html};
 
 use crate::figures::{Compared, Scores};
-use crate::report::html::{contact, interval_chart, strip};
-use crate::report::{paired, tables, verdict};
+use crate::report::html::{contact, intervals, strip};
+use crate::report::tables;
+use crate::report::words::{paired, verdict};
 
 /// Renders the first screen of a report or comparison; a table of figures where nothing is compared.
-pub(super) fn screen(scores: &Scores, results: &[Compared], base: &str) -> Markup {
+pub(crate) fn screen(scores: &Scores, results: &[Compared], base: &str) -> Markup {
     html! {
         @for sentence in verdict::sentences(scores, results, base) { p.verdict { (sentence) "." } }
         @if results.is_empty() {
             (tables::figures_of_screen(scores).markup())
         } @else {
             (strip::rows(scores, results, base))
-            (interval_chart::figure(scores, results, base))
+            (intervals::figure(scores, results, base))
             (tables::effects(scores, results, base).markup())
             p.note { (basis(results)) }
         }
@@ -33,7 +34,7 @@ fn basis(results: &[Compared]) -> String {
 }
 
 /// Renders the photos that a page shows, each once: those of the strip and `others`.
-pub(super) fn library(
+pub(crate) fn library(
     scores: &Scores,
     results: &[Compared],
     base: &str,

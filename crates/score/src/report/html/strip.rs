@@ -4,8 +4,9 @@ use maud::{Markup, html};
 
 use crate::compare::paired_photos;
 use crate::figures::{Compared, ScoredPhoto, Scores};
-use crate::report::html::{contact, side};
-use crate::report::number;
+use crate::report::html::contact;
+use crate::report::words::direction::side;
+use crate::report::words::numbers::number;
 use scaleproof_plot::distinct;
 
 /// Largest number of textures: more would push the chart off the first screen.
@@ -23,7 +24,7 @@ struct Strip<'a> {
 }
 
 /// Renders a row for each of the textures that weaken a detector most.
-pub(super) fn rows(scores: &Scores, results: &[Compared], base: &str) -> Markup {
+pub(crate) fn rows(scores: &Scores, results: &[Compared], base: &str) -> Markup {
     let strips = strips(scores, results, base);
     html! {
         @for (i, strip) in strips.iter().enumerate() {
@@ -53,7 +54,7 @@ fn view(scores: &Scores, strip: &Strip, name: &str, (base, other): Pair) -> Mark
 }
 
 /// Returns the photos that the strips show.
-pub(super) fn photos<'a>(scores: &'a Scores, results: &'a [Compared], base: &str) -> Vec<&'a ScoredPhoto> {
+pub(crate) fn photos<'a>(scores: &'a Scores, results: &'a [Compared], base: &str) -> Vec<&'a ScoredPhoto> {
     let strips = strips(scores, results, base);
     let views = strips.iter().flat_map(|strip| &strip.views);
     views.flat_map(|(_, (base, other))| [*base, *other]).collect()

@@ -1,8 +1,8 @@
 //! A table as a `tabular` in booktabs' style.
 
-use crate::report::table::cell::{Cell, Value};
-use crate::report::table::{Side, Table};
-use crate::report::tex::{escaped, number, row, tabular};
+use crate::report::latex::markup::{escaped, number, row, tabular};
+use crate::report::table::model::Side;
+use crate::report::table::{Cell, Table, Value};
 
 impl Table {
     /// Returns the `tabular` alone, without caption and notes.

@@ -1,7 +1,7 @@
 //! A table in lines of plain text.
 
-use crate::report::table::cell::{Cell, Value};
-use crate::report::table::{Side, Table};
+use crate::report::table::model::Side;
+use crate::report::table::{Cell, Table, Value};
 
 /// Number of columns that a screen always has.
 const FEWEST: usize = 4;

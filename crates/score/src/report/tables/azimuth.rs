@@ -1,11 +1,10 @@
 //! Table of the drop of the hit rate in each direction.
 
 use crate::figures::{Compared, Scores};
-use crate::report::table::cell::Cell;
-use crate::report::table::{Column, Table};
+use crate::report::table::{Cell, Column, Table};
 
 /// Returns a row for each detector and texture, a column for each azimuth.
-pub(in crate::report) fn by_azimuth(scores: &Scores, results: &[Compared]) -> Table {
+pub(crate) fn by_azimuth(scores: &Scores, results: &[Compared]) -> Table {
     let azimuths = scores.sessions[0].scene.bins.azimuth_centres();
     let names = [
         Column::words("detector"),

@@ -2,13 +2,12 @@
 
 use crate::compare::{MOST_HIT, paired_control};
 use crate::figures::{Compared, Effect, Scores, Summary};
-use crate::report::paired;
-use crate::report::table::cell::{Cell, Value};
-use crate::report::table::{Column, Table};
+use crate::report::table::{Cell, Column, Table, Value};
+use crate::report::words::paired;
 use scaleproof_core::spelling::{self, digits};
 
 /// Returns a row for each detector and texture: the effect, the mean confidence and hits of the base and of the texture.
-pub(in crate::report) fn effects(scores: &Scores, results: &[Compared], base: &str) -> Table {
+pub(crate) fn effects(scores: &Scores, results: &[Compared], base: &str) -> Table {
     let mut table = Table::new(
         &format!("Textures against {}", paired::named_base(base)),
         vec![

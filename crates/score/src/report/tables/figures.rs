@@ -1,14 +1,13 @@
 //! Tables of the figures of every detector and texture, in the layout of the field's papers.
 
 use crate::figures::{Compared, Difference, Drop, Scores, Summary};
-use crate::report::paired;
-use crate::report::table::cell::Cell;
-use crate::report::table::{Column, Table};
-use crate::report::tables::by_detector;
+use crate::report::table::{Cell, Column, Table};
+use crate::report::tables::by_detector::by_detector;
+use crate::report::words::paired;
 use scaleproof_core::statistics::Interval;
 
 /// Returns AP, hit rate and confidence with their drops from the base.
-pub(in crate::report) fn figures(scores: &Scores) -> Table {
+pub(crate) fn figures(scores: &Scores) -> Table {
     let drop = |key: &str| Column::numbers("drop").called(key).in_unit("95 %");
     let mut table = Table::new(
         "AP@0.5, hit rate and confidence",
@@ -72,7 +71,7 @@ fn drop(
 }
 
 /// Returns the figures that a screen has room for where nothing is compared.
-pub(in crate::report) fn figures_of_screen(scores: &Scores) -> Table {
+pub(crate) fn figures_of_screen(scores: &Scores) -> Table {
     let mut table = Table::new(
         "Hits, confidence and AP@0.5",
         vec![

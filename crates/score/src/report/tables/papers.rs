@@ -1,13 +1,12 @@
 //! Table of the figures that papers compare beside AP@0.5.
 
 use crate::figures::{Compared, Difference, Scores, Summary};
-use crate::report::table::cell::Cell;
-use crate::report::table::{Column, Table};
-use crate::report::tables::by_detector;
-use crate::report::{certainty, paired};
+use crate::report::table::{Cell, Column, Table};
+use crate::report::tables::by_detector::by_detector;
+use crate::report::words::{certainty, paired};
 
 /// Returns AP@[.5:.95], recalls, false positives and attack success rates.
-pub(in crate::report) fn papers(scores: &Scores) -> Table {
+pub(crate) fn papers(scores: &Scores) -> Table {
     let mut table = Table::new(
         "Figures that papers compare",
         vec![

@@ -1,14 +1,13 @@
 //! Tables of the transfer of each texture's effect to other detectors.
 
 use crate::figures::{Scores, TransferDrop, transfer};
-use crate::report::paired;
-use crate::report::table::cell::Cell;
-use crate::report::table::{Column, Table};
+use crate::report::table::{Cell, Column, Table};
+use crate::report::words::paired;
 use scaleproof_core::spelling::digits;
 
 /// Returns pattern × detector: the drop of AP@0.5, darker the larger it is, and that of the hit rate; a table for every `across` detectors. None
 /// without a base to drop from.
-pub(in crate::report) fn transferred(scores: &Scores, across: usize) -> Vec<Table> {
+pub(crate) fn transferred(scores: &Scores, across: usize) -> Vec<Table> {
     let rows = transfer(&scores.summaries);
     if rows.is_empty() {
         return Vec::new();
