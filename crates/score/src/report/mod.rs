@@ -9,10 +9,12 @@ mod error; // reasons why a report cannot be written
 mod evaluation; // an evaluation of patterns
 mod evaluation_files; // the files of an evaluation
 mod export; // photos with truth boxes for other programs
+pub mod findings; // a run and its comparisons with a base
 pub mod html; // pages
 pub mod json; // files for programs
 pub mod latex; // tables for a paper
 mod provenance; // origin of the figures
+pub mod run; // content of a run's report
 mod run_files; // the files of a run's report
 mod stale; // files of an earlier report
 pub mod table; // tables of typed cells, and their writers

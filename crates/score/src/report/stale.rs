@@ -4,11 +4,11 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use crate::figures::Scores;
 use crate::report::charts;
 use crate::report::error::ReportError;
+use crate::report::run::RunReport;
 use scaleproof_core::files;
-use scaleproof_detect::{Manifest, Speeds};
+use scaleproof_detect::Manifest;
 
 pub(crate) const SUMMARY: &str = "summary.json";
 pub(crate) const DEFENCES: [&str; 2] = ["defences.csv", "defences.tex"];
@@ -43,14 +43,10 @@ impl Before {
 
 /// Removes files that an earlier run left and this one does not write: COCO results of other detectors, whose ids mean other photos now, and the
 /// tables and charts of a protocol, of times, of corruptions and of defences that this run does not have.
-pub(crate) fn remove_stale(
-    folder: &Path,
-    before: &Before,
-    scores: &Scores,
-    speeds: Option<&Speeds>,
-) -> Result<(), ReportError> {
+pub(crate) fn remove_stale(folder: &Path, before: &Before, report: &RunReport) -> Result<(), ReportError> {
+    let scores = report.scores;
     let no_longer_robustness = before.robustness.is_some() && scores.robustness.is_none();
-    let mut stale = charts::files::stale(scores, speeds, no_longer_robustness);
+    let mut stale = charts::files::stale(report, no_longer_robustness);
     if no_longer_robustness {
         stale.push(ROBUSTNESS.to_owned());
     }

@@ -2,6 +2,7 @@
 
 use crate::figures::{Compared, Comparison, Difference, Scores};
 use crate::report::charts::intervals;
+use crate::report::findings::Findings;
 use crate::report::words::numbers::number;
 use crate::report::words::{certainty, paired};
 use scaleproof_plot::Anchor::{End, Middle, Start};
@@ -38,7 +39,7 @@ pub(crate) const FIGURES: [Figure; 2] = [
 pub(crate) fn charts(scores: &Scores, comparison: &Comparison) -> Vec<(&'static str, Drawing)> {
     let first = (
         "Drop of the mean confidence",
-        intervals::chart(scores, &comparison.results, &comparison.base),
+        intervals::chart(Findings::of_comparison(scores, comparison)),
     );
     let others = FIGURES
         .iter()

@@ -1,11 +1,10 @@
 //! Charts of the pages as SVG and PDF files for papers.
 
-use crate::compare::paired;
 use crate::figures::{Comparison, Scores};
 use crate::report::charts::{colours, curves, drops, heat, intervals, polar, reliability, robustness, speed};
 use crate::report::error::ReportError;
+use crate::report::run::RunReport;
 use crate::report::words::certainty;
-use scaleproof_detect::Speeds;
 use scaleproof_plot::{Drawing, Explained, figure};
 
 /// Name of the chart that a report has only when something is compared.
@@ -19,7 +18,13 @@ const ROBUSTNESS: &str = "robustness";
 
 pub(crate) type File = (String, Vec<u8>);
 
-pub(crate) fn of_report(scores: &Scores, speeds: Option<&Speeds>) -> Result<Vec<File>, ReportError> {
+pub(crate) fn of_run(report: &RunReport) -> Result<Vec<File>, ReportError> {
+    let RunReport {
+        scores,
+        findings,
+        speeds,
+        ..
+    } = *report;
     let textures = || colours::legend(scores);
     let (found, precision_recall): (Vec<_>, Vec<_>) = curves::charts(scores)
         .into_iter()
@@ -33,11 +38,10 @@ pub(crate) fn of_report(scores: &Scores, speeds: Option<&Speeds>) -> Result<Vec<
         }
         Ok::<(), ReportError>(())
     };
-    let results = paired(scores);
-    if !results.is_empty() {
-        let chart = intervals::chart(scores, results, &scores.base);
+    if !findings.results.is_empty() {
+        let chart = intervals::chart(findings);
         let title = "Drop of the mean confidence of each detector";
-        let legend = intervals::legend(scores, results);
+        let legend = intervals::legend(findings);
         add([DROPS, title], legend, Some(intervals::MARKS), 1, vec![("", chart)])?;
     }
     let polar = ["polar", "Mean confidence by azimuth"];
@@ -89,10 +93,10 @@ pub(crate) fn of_comparison(scores: &Scores, comparison: &Comparison) -> Result<
 }
 
 /// Returns the names of chart files that an earlier report may have left and this one does not write.
-pub(crate) fn stale(scores: &Scores, speeds: Option<&Speeds>, no_longer_robustness: bool) -> Vec<String> {
+pub(crate) fn stale(report: &RunReport, no_longer_robustness: bool) -> Vec<String> {
     let charts = [
-        (DROPS, paired(scores).is_empty()),
-        (AGAINST_TIME, speeds.is_none()),
+        (DROPS, report.findings.results.is_empty()),
+        (AGAINST_TIME, report.speeds.is_none()),
         (ROBUSTNESS, no_longer_robustness),
     ];
     let stale = charts.into_iter().filter(|(_, is_stale)| *is_stale);

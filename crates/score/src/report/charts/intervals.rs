@@ -2,6 +2,7 @@
 
 use crate::figures::{Compared, Scores};
 use crate::report::charts::colours::colour;
+use crate::report::findings::Findings;
 use crate::report::words::numbers::number;
 use crate::report::words::paired;
 use scaleproof_plot::Anchor::{End, Middle, Start};
@@ -21,9 +22,9 @@ pub(crate) const MARKS: &str =
     "Dot: drop of the mean confidence from the base; whisker: its 95 % interval; filled: a change is shown";
 
 /// Returns the colours of the textures, with their names.
-pub(crate) fn legend(scores: &Scores, results: &[Compared]) -> Vec<(Colour, String)> {
-    let all = textures(results).into_iter();
-    all.map(|texture| (colour_of(scores, texture), texture.to_owned()))
+pub(crate) fn legend(findings: Findings) -> Vec<(Colour, String)> {
+    let all = textures(findings.results).into_iter();
+    all.map(|texture| (colour_of(findings.scores, texture), texture.to_owned()))
         .collect()
 }
 
@@ -42,7 +43,10 @@ pub(crate) fn colour_of(scores: &Scores, texture: &str) -> Colour {
 }
 
 /// Draws a row for each detector, and in it a line for each texture.
-pub(crate) fn chart(scores: &Scores, results: &[Compared], base: &str) -> Drawing {
+pub(crate) fn chart(findings: Findings) -> Drawing {
+    let Findings {
+        scores, results, base, ..
+    } = findings;
     let textures = textures(results);
     let row = LINE * textures.len() as f64 + GAP;
     let height = row * scores.detectors.len() as f64;

@@ -5,32 +5,31 @@ use maud::{Markup, PreEscaped, html};
 use crate::compare::comparison_definitions;
 use crate::figures::{Compared, Comparison, PlanCheck, Scores};
 use crate::report::charts::drops::{FIGURES, forest};
+use crate::report::findings::Findings;
 use crate::report::html::page::{SCRIPT, Section, lead, shell};
 use crate::report::html::{first, looks, notes, pairs};
 use crate::report::tables;
 use crate::report::words::paired;
-use crate::report::words::paper::Judged;
 
 pub fn render(scores: &Scores, comparison: &Comparison) -> String {
-    let (results, base) = (comparison.results.as_slice(), comparison.base.as_str());
+    let findings = Findings::of_comparison(scores, comparison);
     let chance = notes::bootstrap(comparison);
     let photos = pairs::photos(scores, comparison);
     let script = html! { @if !photos.is_empty() { script { (PreEscaped(SCRIPT)) } } };
-    let tail = html! { (first::library(scores, results, base, photos)) (script) };
-    let first =
-        html! { @if let Some(check) = &comparison.plan { (plan(check)) } (first::screen(scores, results, base)) };
+    let tail = html! { (first::library(findings, photos)) (script) };
+    let first = html! { @if let Some(check) = &comparison.plan { (plan(check)) } (first::screen(findings, &tables::effects(findings))) };
     let open = [
         ("looks", "However often one looks", looks::section(scores, comparison)),
         ("pairs", "Photos side by side", pairs::section(scores, comparison)),
     ];
-    let method = notes::method(scores, results, base, Judged::of(comparison));
+    let method = notes::method(findings);
     let folded = [
         ("method", "How this was decided, and what to write", method),
         ("drops", "Drops of the hit rate and of AP", drops(scores, comparison)),
         (
             "azimuth",
             "Drop of the hit rate by azimuth",
-            tables::by_azimuth(scores, results).markup(),
+            tables::by_azimuth(findings).markup(),
         ),
         ("left-out", "Photos in no difference", left_out(scores, comparison)),
         ("definitions", "Definitions", definitions()),

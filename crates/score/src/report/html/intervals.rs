@@ -2,17 +2,18 @@
 
 use maud::{Markup, html};
 
-use crate::figures::{Compared, Scores};
 use crate::report::charts::intervals::{MARKS, chart, colour_of, textures};
+use crate::report::findings::Findings;
 
 /// Renders the chart with its legend.
-pub(crate) fn figure(scores: &Scores, results: &[Compared], base: &str) -> Markup {
-    let textures = textures(results);
+pub(crate) fn figure(findings: Findings) -> Markup {
+    let scores = findings.scores;
+    let textures = textures(findings.results);
     html! {
         ul.legend {
             @for texture in &textures { li { i style=(format!("background:{}", colour_of(scores, texture))) {} (texture) } }
             li.note { (MARKS) "." }
         }
-        div.scroll { (chart(scores, results, base).inline(Some("intervals"))) }
+        div.scroll { (chart(findings).inline(Some("intervals"))) }
     }
 }

@@ -2,20 +2,20 @@
 
 use maud::{Markup, html};
 
-use crate::figures::{Compared, Comparison, NotScored, Scores, disagreements};
+use crate::figures::{Comparison, NotScored, Scores, disagreements};
+use crate::report::findings::Findings;
 use crate::report::html::parts::{heads, table};
 use crate::report::provenance;
-use crate::report::words::paper::Judged;
 use crate::report::words::truth::truth_boxes;
 use crate::report::words::{certainty, counted, paper};
 use scaleproof_core::spelling;
 
 /// Renders sentences for a paper, how effects were decided, where AP and hits disagree, and the definitions in short.
-pub(crate) fn method(scores: &Scores, results: &[Compared], base: &str, judged: Judged) -> Markup {
-    let paper = paper::sentences(scores, results, base, judged);
+pub(crate) fn method(findings: Findings) -> Markup {
+    let (scores, paper) = (findings.scores, paper::sentences(findings));
     html! {
         @if !paper.is_empty() { h3 { "To write in a paper" } p { (paper.join(" ")) } }
-        @if let Some(sentence) = certainty::tested(scores, results).filter(|_| !judged.is_by_looks) { h3 { "How effects were decided" } p { (sentence) "." } }
+        @if let Some(sentence) = certainty::tested(findings) { h3 { "How effects were decided" } p { (sentence) "." } }
         @for sentence in disagreements(scores) { p.explained { (sentence) "." } }
         p {
             @if let Some(protocol) = scores.criteria.protocol { "Protocol: " (protocol.name()) ". " }

@@ -12,9 +12,6 @@ use scaleproof_plot::html_page;
 const STYLE: &str = include_str!("style.css");
 pub(crate) const SCRIPT: &str = include_str!("script.js");
 
-/// Largest number of columns of detectors or patterns that a laptop shows without scrolling.
-pub(crate) const ACROSS: usize = 8;
-
 /// A part of a page below its first screen.
 pub(crate) struct Section {
     id: &'static str,

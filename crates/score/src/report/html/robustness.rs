@@ -5,12 +5,11 @@ use maud::{Markup, html};
 use crate::figures::Scores;
 use crate::report::charts::robustness::{MARKS, charts};
 use crate::report::html::parts::{colour_names, small_charts};
-use crate::report::tables;
+use crate::report::table::Table;
 
 /// Renders the section; `None` for a run without corruptions.
-pub(crate) fn section(scores: &Scores) -> Option<Markup> {
-    let robustness = scores.robustness.as_ref()?;
-    let survival = tables::survival(robustness);
+pub(crate) fn section(scores: &Scores, survival: Option<&Table>) -> Option<Markup> {
+    let (robustness, survival) = scores.robustness.as_ref().zip(survival)?;
     Some(html! {
         ul.legend { (colour_names(&scores.variants())) }
         (small_charts(charts(scores, robustness).into_iter().map(|(title, chart)| (html! { (title) }, chart))))

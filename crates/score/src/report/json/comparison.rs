@@ -7,6 +7,7 @@ use serde::Serialize;
 use crate::compare::comparison_definitions;
 use crate::figures::{Comparison, NotScored, Scores};
 use crate::report::error::ReportError;
+use crate::report::findings::Findings;
 use crate::report::provenance::Provenance;
 use crate::report::words::{counted, paper};
 use crate::report::{provenance, tables};
@@ -37,18 +38,14 @@ pub struct ComparisonPage<'a> {
 
 /// Returns the whole text of `comparison.json`.
 pub fn comparison_json(scores: &Scores, comparison: &Comparison) -> Result<String, ReportError> {
+    let findings = Findings::of_comparison(scores, comparison);
     let page = ComparisonPage {
         comparison,
         classes: counted::classes(scores).labels(),
         box_labels: counted::box_labels(scores),
         cautions: &scores.cautions,
-        effects: tables::effects(scores, &comparison.results, &comparison.base).json(),
-        paper: paper::sentences(
-            scores,
-            &comparison.results,
-            &comparison.base,
-            paper::Judged::of(comparison),
-        ),
+        effects: tables::effects(findings).json(),
+        paper: paper::sentences(findings),
         not_scored: &scores.not_scored,
         definitions: comparison_definitions().collect(),
         provenance: provenance::from_scores(scores),

@@ -5,14 +5,14 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::compare::paired;
 use crate::figures::{
     Compared, Curves, Defences, NotScored, ProtocolTable, Ranking, Reliability, Robustness, Scores, Summary,
     TransferRow, curves, disagreements, protocol_table, reliability, transfer,
 };
+use crate::report::provenance;
 use crate::report::provenance::Provenance;
+use crate::report::run::RunReport;
 use crate::report::words::{counted, paper};
-use crate::report::{provenance, tables};
 use scaleproof_detect::Speeds;
 
 /// `summary.json`.
@@ -73,6 +73,11 @@ pub struct SummaryPage<'a> {
 /// # Errors
 /// Fails on figures that JSON cannot represent.
 pub fn summary_json(scores: &Scores, speeds: Option<&Speeds>) -> serde_json::Result<String> {
+    summary(&RunReport::new(scores, speeds))
+}
+
+pub(crate) fn summary(report: &RunReport) -> serde_json::Result<String> {
+    let RunReport { scores, findings, .. } = *report;
     let page = SummaryPage {
         photos_scored: scores.photos.len(),
         classes: counted::classes(scores).labels(),
@@ -83,7 +88,7 @@ pub fn summary_json(scores: &Scores, speeds: Option<&Speeds>) -> serde_json::Res
         control: scores.control.as_deref(),
         protocol: protocol_table(scores),
         results: &scores.summaries,
-        paired: paired(scores),
+        paired: findings.results,
         explanations: disagreements(scores),
         robustness: scores.robustness.as_ref(),
         defences: scores.defences.as_ref(),
@@ -91,10 +96,10 @@ pub fn summary_json(scores: &Scores, speeds: Option<&Speeds>) -> serde_json::Res
         transfer: transfer(&scores.summaries),
         curves: curves(scores),
         reliability: reliability(&scores.photos, &scores.detectors),
-        speed: speeds,
+        speed: report.speeds,
         cautions: &scores.cautions,
-        effects: tables::effects(scores, paired(scores), &scores.base).json(),
-        paper: paper::sentences(scores, paired(scores), &scores.base, paper::Judged::default()),
+        effects: report.tables.effects.json(),
+        paper: paper::sentences(findings),
         not_scored: &scores.not_scored,
         definitions: scores.criteria.definitions().into_iter().collect(),
         provenance: provenance::from_scores(scores),

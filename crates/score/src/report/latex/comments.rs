@@ -1,11 +1,13 @@
 //! Comments of a TeX file.
 
-use crate::figures::{Compared, Difference, Scores};
+use crate::figures::{Difference, Scores};
+use crate::report::findings::Findings;
 use crate::report::words::{certainty, counted};
 
 /// Returns the comment below the notes of a table, a line each: how effects were decided, rates without an interval, and every caution.
-pub(crate) fn below(scores: &Scores, results: &[Compared], is_by_looks: bool) -> String {
-    let open = results.iter().flat_map(|r| {
+pub(crate) fn below(findings: Findings) -> String {
+    let scores = findings.scores;
+    let open = findings.results.iter().flat_map(|r| {
         let figures = [("hit rate", &r.hit_rate.rate), ("AP@0.5", &r.ap50)];
         let is_open = |d: &Difference| d.asr.is_some() && d.asr_interval_95.is_none();
         let open = figures.into_iter().filter(move |(_, d)| is_open(d));
@@ -15,13 +17,7 @@ pub(crate) fn below(scores: &Scores, results: &[Compared], is_by_looks: bool) ->
         })
     });
     let cautions = scores.cautions.iter().map(|caution| format!("Note: {caution}"));
-    comments(
-        certainty::tested(scores, results)
-            .filter(|_| !is_by_looks)
-            .into_iter()
-            .chain(open)
-            .chain(cautions),
-    )
+    comments(certainty::tested(findings).into_iter().chain(open).chain(cautions))
 }
 
 pub(crate) fn comments(sentences: impl Iterator<Item = String>) -> String {

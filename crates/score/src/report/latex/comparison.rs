@@ -1,6 +1,7 @@
 //! `comparison.tex`: the drops with their intervals, a `tabular` for each endpoint.
 
 use crate::figures::{Compared, Comparison, Difference, Effect, Scores};
+use crate::report::findings::Findings;
 use crate::report::latex::comments::{below, commented};
 use crate::report::latex::markup::{escaped, number, row, tabular};
 use crate::report::table::Cell;
@@ -24,7 +25,7 @@ pub fn comparison(scores: &Scores, comparison: &Comparison) -> String {
         scores.criteria.hit().replace('≥', ">="),
         protocol.unwrap_or_default(),
         commented(scores),
-        below(scores, &comparison.results, comparison.sequential.is_some())
+        below(Findings::of_comparison(scores, comparison))
     );
     let p = |p: Option<f64>| {
         let p = p.map(|p| p_value(p).replace("= ", "").replace("< ", "$<$").replace("> ", "$>$"));

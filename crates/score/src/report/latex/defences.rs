@@ -1,17 +1,19 @@
 //! `defences.tex`: differences between variants on defended photos.
 
 use crate::figures::{Defences, Scores};
-use crate::report::tables;
+use crate::report::table::Table;
 use crate::report::words::counted;
 
 /// Returns both tables in TeX, below a comment that describes the defences.
-pub(crate) fn tex(scores: &Scores, defences: &Defences) -> String {
+pub(crate) fn tex(scores: &Scores, defences: &Defences, tables: &[Table; 2]) -> String {
     let cards = defences
         .defences
         .iter()
         .map(|d| format!("% {}: {} ({})", d.name, d.does, d.source));
     let cards: String = cards.map(|card| one_line(&card) + "\n").collect();
-    let tables = tables::defended(defences).map(|table| format!("% {}.\n{}", one_line(&table.caption), table.tex()));
+    let tables = tables
+        .each_ref()
+        .map(|table| format!("% {}.\n{}", one_line(&table.caption), table.tex()));
     let counted = one_line(&counted::counted(scores));
     format!(
         "% scaleproof {}. Needs \\usepackage{{booktabs}}. AP@0.5: {}. Counts as the model: {counted}.\n{cards}{}",

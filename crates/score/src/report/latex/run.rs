@@ -1,16 +1,21 @@
 //! `table.tex`: detector × texture.
 
-use crate::compare::paired as all_paired;
 use crate::figures::{Scores, disagreements};
+use crate::report::findings::Findings;
 use crate::report::latex::comments::{below, commented, comments};
-use crate::report::tables;
+use crate::report::run::RunReport;
 
 /// Returns the whole file: a comment that explains the numbers, and one `tabular`.
 pub fn table(scores: &Scores) -> String {
-    format!("{}\n{}", comment(scores), tables::figures(scores).tex())
+    of_run(&RunReport::new(scores, None))
 }
 
-pub(crate) fn comment(scores: &Scores) -> String {
+pub(crate) fn of_run(report: &RunReport) -> String {
+    format!("{}\n{}", comment(report.findings), report.tables.figures.tex())
+}
+
+pub(crate) fn comment(findings: Findings) -> String {
+    let scores = findings.scores;
     let criteria = &scores.criteria;
     let sign = if criteria.sign() == ">" { ">" } else { ">=" };
     let explained: String = comments(disagreements(scores).into_iter());
@@ -27,6 +32,6 @@ pub(crate) fn comment(scores: &Scores) -> String {
         criteria.match_iou(),
         scores.base.replace(char::is_control, " "),
         commented(scores),
-        below(scores, all_paired(scores), false),
+        below(findings),
     )
 }

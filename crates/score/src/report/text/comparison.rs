@@ -1,6 +1,7 @@
 //! A comparison for the terminal.
 
 use crate::figures::{Compared, Comparison, Difference, Scores};
+use crate::report::findings::Findings;
 use crate::report::tables;
 use crate::report::text::screen::on_screen;
 use crate::report::words::{certainty, counted, paired, paper, verdict};
@@ -9,16 +10,16 @@ use scaleproof_core::spelling::digits;
 /// Returns a comparison for the terminal: deviations from its plan; a sentence on the findings for each texture, and what they rest on; a line for
 /// each detector and texture; the looks of a sequential test.
 pub fn comparison_table(scores: &Scores, comparison: &Comparison) -> String {
-    let (results, base) = (&comparison.results, &comparison.base);
+    let findings = Findings::of_comparison(scores, comparison);
     let mut lines = Vec::new();
     if let Some(plan) = &comparison.plan {
         lines.push(format!("plan {}: {}", plan.seal, paired::deviations(plan)));
         lines.extend(plan.deviations.iter().map(|deviation| format!("  {deviation}")));
     }
-    lines.extend(verdict::sentences(scores, results, base));
-    lines.extend(verdict::basis(scores, results));
+    lines.extend(verdict::sentences(findings));
+    lines.extend(verdict::basis(findings));
     lines.push(String::new());
-    lines.extend(on_screen(&tables::effects(scores, results, base)));
+    lines.extend(on_screen(&tables::effects(findings)));
     if let Some(own) = &comparison.sequential {
         lines.push(String::new());
         lines.extend(tables::looks(scores, own).described());
@@ -29,12 +30,8 @@ pub fn comparison_table(scores: &Scores, comparison: &Comparison) -> String {
 /// Returns the parts of a comparison that the screen leaves out: sentences for a paper, the drop of each figure with its interval, how effects were
 /// decided, and the labels that count as the model.
 pub fn further_comparison(scores: &Scores, comparison: &Comparison) -> String {
-    let mut lines = paper::sentences(
-        scores,
-        &comparison.results,
-        &comparison.base,
-        paper::Judged::of(comparison),
-    );
+    let findings = Findings::of_comparison(scores, comparison);
+    let mut lines = paper::sentences(findings);
     lines.push(String::new());
     let control = comparison.control.iter().flat_map(|control| &control.results);
     for r in comparison.results.iter().chain(control) {
@@ -48,7 +45,7 @@ pub fn further_comparison(scores: &Scores, comparison: &Comparison) -> String {
         lines.push(line("hit rate", r, &r.hit_rate.rate));
         lines.push(line(&format!("AP@0.5 ({})", comparison.ap_definition), r, &r.ap50));
     }
-    lines.extend(certainty::tested(scores, &comparison.results).filter(|_| comparison.sequential.is_none()));
+    lines.extend(certainty::tested(findings));
     if let Some(protocol) = scores.criteria.protocol {
         lines.push(format!("protocol {}: {}", protocol.name(), protocol.source()));
     }

@@ -1,17 +1,14 @@
 //! An evaluation of patterns for the terminal.
 
-use crate::figures::BASE_VARIANT;
 use crate::report::evaluation::Evaluation;
+use crate::report::findings::Findings;
 use crate::report::tables;
 use crate::report::words::{counted, verdict};
 
 /// Returns the verdict, the paper's tables, and the differences of AP@0.5 with their intervals.
 pub fn evaluation_tables(evaluation: &Evaluation) -> String {
     let scores = evaluation.scores;
-    let mut lines = Vec::new();
-    if let Some(comparison) = evaluation.comparisons.iter().find(|c| c.base == BASE_VARIANT) {
-        lines.extend(verdict::sentences(scores, &comparison.results, BASE_VARIANT));
-    }
+    let mut lines = verdict::sentences(Findings::of_evaluation(evaluation));
     for table in tables::by_pattern(evaluation, usize::MAX)
         .into_iter()
         .chain([tables::differences(evaluation)])

@@ -1,6 +1,7 @@
 //! Sentences on the certainty of a comparison: how its findings were decided, and bounds for rates without an interval.
 
-use crate::figures::{Compared, Difference, Scores};
+use crate::figures::{Compared, Difference};
+use crate::report::findings::Findings;
 use crate::report::words::paired as shown;
 use scaleproof_core::spelling::{self, digits};
 use scaleproof_core::statistics::{FEWEST_CLUSTERS, wilson_95};
@@ -20,8 +21,10 @@ pub(crate) fn family(results: &[Compared]) -> String {
     of.join(" × ")
 }
 
-/// Returns a sentence on how effects are decided, with the p value of each; `None` where nothing was tested.
-pub(crate) fn tested(scores: &Scores, results: &[Compared]) -> Option<String> {
+/// Returns a sentence on how effects are decided, with the p value of each; `None` where nothing was tested, or by a
+/// sequential test.
+pub(crate) fn tested(findings: Findings) -> Option<String> {
+    let results = findings.results;
     let each = |r: &Compared| {
         let is_only = results.iter().all(|other| other.variant == r.variant);
         let texture = if is_only {
@@ -31,10 +34,13 @@ pub(crate) fn tested(scores: &Scores, results: &[Compared]) -> Option<String> {
         };
         let finding = r.finding?;
         let [confidence, hits] = [finding.confidence_p, finding.hit_rate_p].map(|p| digits(p, 3));
-        Some(format!("{}{texture} {confidence}, {hits}", scores.title(&r.detector)))
+        Some(format!(
+            "{}{texture} {confidence}, {hits}",
+            findings.scores.title(&r.detector)
+        ))
     };
     let all: Vec<String> = results.iter().filter_map(each).collect();
-    (!all.is_empty()).then(|| {
+    (!all.is_empty() && !findings.is_sequential).then(|| {
         format!(
             "Decided by the mean confidence ({}): the signs of the paired differences are flipped view by view, for the detectors of a texture together \
              (step-down by the largest statistic, Westfall and Young 1993); the textures share 5 %. The hit rate is decided in the same way, with 5 % of its own. \

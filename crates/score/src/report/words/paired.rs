@@ -1,16 +1,9 @@
 //! Sentences about the drop on paired photos: they stand beside every drop.
 
-use crate::compare::{paired, paired_control};
-use crate::figures::{BASE_VARIANT, Compared, Difference, Effect, Finding, PlanCheck, Scores};
+use crate::figures::{BASE_VARIANT, Compared, Difference, Effect, Finding, PlanCheck};
 use crate::report::words::numbers::p_value;
 use scaleproof_core::spelling::{self, digits};
 use scaleproof_core::statistics::Interval;
-
-/// Returns the comparison of a variant, or of the control, with the base for one detector; `None` where no photos pair.
-pub(crate) fn compared<'a>(scores: &'a Scores, detector: &str, variant: &str) -> Option<&'a Compared> {
-    let mut results = paired(scores).iter().chain(paired_control(scores));
-    results.find(|r| r.detector == detector && r.variant == variant)
-}
 
 /// Returns an effect in a word or two.
 pub fn briefly(effect: Effect) -> &'static str {

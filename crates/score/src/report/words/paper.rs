@@ -1,47 +1,32 @@
 //! Sentences on a comparison for a paper, with its caveats, ready to paste.
 
-use crate::figures::{Compared, Comparison, Effect, PlanCheck, Scores};
+use crate::figures::{Compared, Effect, Scores};
+use crate::report::findings::Findings;
 use crate::report::words::numbers::p_value;
 use crate::report::words::paired::{WITHHELD, is_withheld, named_base};
 use crate::report::words::verdict;
 use scaleproof_core::spelling::{self, digits};
 use scaleproof_plot::distinct;
 
-/// Basis of a comparison's findings, where it is not one test of the confidences.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct Judged<'a> {
-    pub plan: Option<&'a PlanCheck>,
-    /// True if it was a sequential test, after each pair or place.
-    pub is_by_looks: bool,
-}
-
-impl<'a> Judged<'a> {
-    pub(crate) fn of(comparison: &'a Comparison) -> Judged<'a> {
-        Judged {
-            plan: comparison.plan.as_ref(),
-            is_by_looks: comparison.sequential.is_some(),
-        }
-    }
-}
-
 /// Returns a sentence or two for each texture, then one on how effects were decided and one on how far they hold; none where nothing was tested.
-pub(crate) fn sentences(scores: &Scores, results: &[Compared], base: &str, judged: Judged) -> Vec<String> {
-    let tested: Vec<&Compared> = results.iter().filter(|r| r.finding.is_some()).collect();
+pub(crate) fn sentences(findings: Findings) -> Vec<String> {
+    let tested: Vec<&Compared> = findings.results.iter().filter(|r| r.finding.is_some()).collect();
     let textures = distinct(tested.iter().map(|r| r.variant.as_str()));
     let own = |texture: &str| -> Vec<&Compared> { tested.iter().filter(|r| r.variant == texture).copied().collect() };
     let mut all: Vec<String> = textures
         .iter()
-        .flat_map(|texture| of_texture(scores, &own(texture), base))
+        .flat_map(|texture| of_texture(findings, &own(texture)))
         .collect();
     if !all.is_empty() {
-        all.push(method(judged.plan, judged.is_by_looks));
-        all.push(reach(scores, &tested));
+        all.push(method(findings));
+        all.push(reach(findings.scores, &tested));
     }
     all
 }
 
 /// Returns sentences on the effects of one texture that were shown, were not shown, or are withheld.
-fn of_texture(scores: &Scores, own: &[&Compared], base: &str) -> Vec<String> {
+fn of_texture(findings: Findings, own: &[&Compared]) -> Vec<String> {
+    let (scores, base) = (findings.scores, findings.base);
     let Some(first) = own.first() else {
         return Vec::new();
     };
@@ -156,11 +141,11 @@ fn power(nothing: &[&Compared]) -> String {
     format!(", where a drop of {range} would have been shown with a power of 0.8")
 }
 
-fn method(plan: Option<&PlanCheck>, is_by_looks: bool) -> String {
-    if is_by_looks {
+fn method(findings: Findings) -> String {
+    if findings.is_sequential {
         return "The photos were looked at pair by pair; significance is by bets on the paired differences (Waudby-Smith and Ramdas 2024), corrected for the detectors by Holm and for the number of textures, and holds however often one looks.".to_owned();
     }
-    if plan.is_some_and(|plan| plan.judged_by_hit_rate) {
+    if findings.plan.is_some_and(|plan| plan.judged_by_hit_rate) {
         return "As sealed before the photos, findings rest on McNemar's exact test of the hit rate, corrected by Holm; confidence intervals are bootstrapped by view and uncorrected.".to_owned();
     }
     "Significance is by sign flips of the views, joint over the detectors of a texture (step-down, Westfall and Young 1993), at 5 % shared by the textures; confidence intervals are bootstrapped by view and uncorrected.".to_owned()

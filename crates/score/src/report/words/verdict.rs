@@ -1,6 +1,7 @@
 //! Verdict of a comparison, in a sentence for each texture: it stands above every table.
 
 use crate::figures::{Compared, Effect, Scores};
+use crate::report::findings::Findings;
 use crate::report::words::paired;
 use scaleproof_core::spelling::count;
 use scaleproof_plot::distinct;
@@ -13,19 +14,19 @@ const MOST_NAMED: usize = 2;
 
 /// Returns a sentence of 25 words at most for each texture: `In the same light, “ours” hides the model from 2 of 5 detectors (A, B); nothing is shown
 /// for 3`.
-pub(crate) fn sentences(scores: &Scores, results: &[Compared], base: &str) -> Vec<String> {
-    let tested = results.iter().filter(|r| r.finding.is_some());
+pub(crate) fn sentences(findings: Findings) -> Vec<String> {
+    let tested = findings.results.iter().filter(|r| r.finding.is_some());
     let textures = distinct(tested.map(|r| r.variant.as_str()));
     textures
         .into_iter()
-        .map(|texture| sentence(scores, results, [texture, base]))
+        .map(|texture| sentence(findings, texture))
         .collect()
 }
 
 /// Returns the pairs that a comparison rests on, after `These photos are renders` where all are.
-pub(crate) fn basis(scores: &Scores, results: &[Compared]) -> Option<String> {
-    let basis = paired::basis(results.first()?);
-    Some(match are_renders(scores) {
+pub(crate) fn basis(findings: Findings) -> Option<String> {
+    let basis = paired::basis(findings.results.first()?);
+    Some(match are_renders(findings.scores) {
         true => format!("These photos are renders: {basis}"),
         false => basis,
     })
@@ -36,21 +37,24 @@ pub(crate) fn are_renders(scores: &Scores) -> bool {
     scores.sessions.iter().all(|session| session.rendered)
 }
 
-fn sentence(scores: &Scores, results: &[Compared], [texture, base]: [&str; 2]) -> String {
-    let with_names = worded(scores, results, [texture, base], MOST_NAMED);
+fn sentence(findings: Findings, texture: &str) -> String {
+    let with_names = worded(findings, texture, MOST_NAMED);
     if with_names.split_whitespace().count() <= MOST_WORDS {
         return with_names;
     }
-    worded(scores, results, [texture, base], 0)
+    worded(findings, texture, 0)
 }
 
 /// Returns the sentence, in which groups of at most `most_named` detectors are named.
-fn worded(scores: &Scores, results: &[Compared], [texture, base]: [&str; 2], most_named: usize) -> String {
-    let own = results.iter().filter(|r| r.variant == texture && r.finding.is_some());
+fn worded(findings: Findings, texture: &str, most_named: usize) -> String {
+    let own = findings
+        .results
+        .iter()
+        .filter(|r| r.variant == texture && r.finding.is_some());
     let own: Vec<&Compared> = own.collect();
     let of = |effect: Effect| -> Vec<&str> {
         let own = own.iter().filter(|r| r.effect() == effect);
-        own.map(|r| scores.title(&r.detector)).collect()
+        own.map(|r| findings.scores.title(&r.detector)).collect()
     };
     let verbs = [
         (of(Effect::Hides), "hides the model from"),
@@ -83,7 +87,10 @@ fn worded(scores: &Scores, results: &[Compared], [texture, base]: [&str; 2], mos
     }
     if !unseen.is_empty() {
         let who = detectors(&unseen, own.len(), parts.is_empty(), unseen.len() <= most_named.min(1));
-        parts.push(format!("{who} cannot tell, not seeing {}", paired::named_base(base)));
+        parts.push(format!(
+            "{who} cannot tell, not seeing {}",
+            paired::named_base(findings.base)
+        ));
     }
     capitalised(&parts.join("; "))
 }
