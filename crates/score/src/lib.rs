@@ -36,7 +36,7 @@ pub use evaluated::{DetectionSource, EvaluatedDetector, EvaluatedDetectorError, 
 pub use figures::{
     AppliedSettings, Asr, BASE_LOST, BASE_VARIANT, BinFigures, CellFigures, ClusteredBy, Compared, Comparison,
     ConditionFigures, ConfidenceBin, Control, CorruptedRow, Course, Criteria, Curves, Decision, DefenceCard, Defences,
-    DefendedRow, Difference, Drop, Effect, Figures, Finding, GroupBy, GroupByError, HIT_CONFIDENCE, Held, HitRateFrom,
+    DefendedRow, Difference, Drop, Effect, Figures, Finding, GroupBy, HIT_CONFIDENCE, Held, HitRateFrom,
     InPlacesLikeThese, MATCH_IOU, NotScored, PhotoOutcome, PlanCheck, Protocol, ProtocolTable, RELIABILITY_FLOOR,
     Ranking, RankingFinding, RankingRow, Rate, Reliability, Robustness, ScoredPhoto, Scores, Sequential,
     SequentialFinding, Settings, Summary, Survival, TagMark, Thresholds, TransferDrop, TransferRow, UNDEFENDED,
@@ -50,7 +50,7 @@ pub use plan::{
 };
 pub use robustness::{Corruption, Defending, SEVERITIES, check_changeable, under_corruption, under_defences};
 pub use run::{
-    RecordError, SessionFiles, TimedPhoto, check_recordings, explained, merge, not_scored, observe, record, score,
-    shard, timed_photos,
+    SessionFiles, TimedPhoto, check_recordings, explained, merge, not_scored, observe, record, score, shard,
+    timed_photos,
 };
 pub use scaleproof_core::ap::{ApDefinition, ImageBoxes, average_precision, average_precision_as, over_ious};

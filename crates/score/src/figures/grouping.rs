@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::str::FromStr;
 
 use crate::figures::ScoredPhoto;
+use scaleproof_core::message::{Message, bail, message};
 use scaleproof_core::spelling;
 use scaleproof_session::{PhotoEntry, Session};
 
@@ -15,30 +16,6 @@ pub struct GroupBy {
     pub step: Option<f64>,
 }
 
-/// Reason why there are no groups.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum GroupByError {
-    #[error("`{0}` names no group: write a condition, as in weather, or one with a step, as in lux:100")]
-    Syntax(String),
-    #[error("no photo has the condition `{name}`; there {known}{hint}")]
-    Unknown {
-        name: String,
-        /// Known conditions, as in `are place, theta, weather`.
-        known: String,
-        hint: String,
-    },
-    #[error("`{value}` of {file} is no number, so `{condition}` has no steps")]
-    NoNumber {
-        value: String,
-        file: String,
-        condition: String,
-    },
-    #[error(
-        "`{condition}` has {groups} values, more than the {MOST_GROUPS} that a table holds: group numbers by steps, as in {condition}:100"
-    )]
-    TooMany { condition: String, groups: usize },
-}
-
 /// Largest number of groups of a table.
 const MOST_GROUPS: usize = 200;
 
@@ -47,10 +24,11 @@ const MOST_GROUPS: usize = 200;
 const OF_VIEWPOINT: [&str; 5] = ["azimuth", "distance", "phi", "pitch", "theta"];
 
 impl FromStr for GroupBy {
-    type Err = GroupByError;
+    type Err = Message;
 
-    fn from_str(text: &str) -> Result<GroupBy, GroupByError> {
-        let syntax = || GroupByError::Syntax(text.to_owned());
+    fn from_str(text: &str) -> Result<GroupBy, Message> {
+        let syntax =
+            || message!("`{text}` names no group: write a condition, as in weather, or one with a step, as in lux:100");
         let (condition, step) = match text.split_once(':') {
             None => (text, None),
             Some((condition, step)) => (condition, Some(step.parse::<f64>().map_err(|_| syntax())?)),
@@ -75,7 +53,7 @@ impl GroupBy {
     }
 
     /// Checks before a run that photos will have the condition, and numbers where there are steps.
-    pub fn check_sessions(&self, sessions: &[Session]) -> Result<(), GroupByError> {
+    pub fn check_sessions(&self, sessions: &[Session]) -> Result<(), Message> {
         let entries = || sessions.iter().flat_map(|s| &s.photos);
         let is_given = entries().any(|p| p.conditions.contains_key(&self.condition));
         if !is_given && OF_VIEWPOINT.contains(&self.condition.as_str()) {
@@ -90,7 +68,7 @@ impl GroupBy {
     }
 
     /// Checks that photos have the condition, and numbers where there are steps, and that the groups make a table.
-    pub(crate) fn check(&self, photos: &[ScoredPhoto]) -> Result<(), GroupByError> {
+    pub(crate) fn check(&self, photos: &[ScoredPhoto]) -> Result<(), Message> {
         let with = photos
             .iter()
             .filter_map(|p| Some((p.file.as_str(), value(p, &self.condition)?)));
@@ -100,8 +78,10 @@ impl GroupBy {
         if groups.len() <= MOST_GROUPS {
             return Ok(());
         }
-        let (condition, groups) = (self.condition.clone(), groups.len());
-        Err(GroupByError::TooMany { condition, groups })
+        let (condition, groups) = (&self.condition, groups.len());
+        bail!(
+            "`{condition}` has {groups} values, more than the {MOST_GROUPS} that a table holds: group numbers by steps, as in {condition}:100"
+        )
     }
 
     /// Checks values: `with` has the file and value of each photo that has the condition, `names` the conditions of all.
@@ -109,27 +89,32 @@ impl GroupBy {
         &self,
         with: &[(&str, String)],
         names: impl Iterator<Item = &'a String>,
-    ) -> Result<(), GroupByError> {
+    ) -> Result<(), Message> {
         if with.is_empty() {
             return Err(self.unknown(names.map(String::as_str)));
         }
         let is_text = |(_, value): &&(&str, String)| value.parse::<f64>().map_or(true, |v| !v.is_finite());
         match (self.step, with.iter().find(is_text)) {
-            (Some(_), Some((file, value))) => Err(GroupByError::NoNumber {
-                value: value.clone(),
-                file: (*file).to_owned(),
-                condition: self.condition.clone(),
-            }),
+            (Some(_), Some((file, value))) => {
+                bail!("`{value}` of {file} is no number, so `{}` has no steps", self.condition)
+            }
             _ => Ok(()),
         }
     }
 
-    fn unknown<'a>(&self, own: impl Iterator<Item = &'a str>) -> GroupByError {
+    fn unknown<'a>(&self, own: impl Iterator<Item = &'a str>) -> Message {
         let known: BTreeSet<&str> = own.chain(OF_VIEWPOINT).chain(["place"]).collect();
-        GroupByError::Unknown {
-            hint: spelling::hint(&self.condition, known.iter().copied()),
-            known: format!("are {}", known.into_iter().collect::<Vec<_>>().join(", ")),
-            name: self.condition.clone(),
+        let similar = spelling::hint(&self.condition, known.iter().copied());
+        let known = known.into_iter().collect::<Vec<_>>().join(", ");
+        let unknown = message!(
+            "no photo has the condition `{}`; there are {known}{similar}",
+            self.condition
+        );
+        if similar.is_empty() {
+            unknown
+                .hint("`session import` keeps the columns of a table, and session.json has `conditions` for each photo")
+        } else {
+            unknown
         }
     }
 }

@@ -36,7 +36,7 @@ pub use defences::{DefenceCard, Defences, DefendedRow, UNDEFENDED};
 pub(crate) use detector_view::{ClusteredAp, Side};
 pub use disagreement::disagreements;
 pub use finding::{Effect, Finding, InPlacesLikeThese};
-pub use grouping::{GroupBy, GroupByError};
+pub use grouping::GroupBy;
 pub(crate) use near_copies::identical_photos;
 pub use outcome::{PhotoOutcome, Verdict};
 pub(crate) use photo::nothing_scored;

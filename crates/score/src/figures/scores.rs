@@ -4,12 +4,12 @@ use std::sync::OnceLock;
 
 use crate::error::ScoreError;
 use crate::evaluated::EvaluatedDetector;
-use crate::figures::grouping::GroupByError;
 use crate::figures::near_copies::{counted_once, mark_repeats};
 use crate::figures::{
     AppliedSettings, BASE_VARIANT, Comparison, Criteria, Defences, GroupBy, NotScored, PhotoOutcome, Ranking,
     Robustness, ScoredPhoto, Summary, WornPattern, caution, nothing_scored, summary,
 };
+use scaleproof_core::message::Message;
 use scaleproof_plot::distinct;
 use scaleproof_pose::tags::TagDetectorChoice;
 use scaleproof_session::Session;
@@ -203,7 +203,7 @@ impl Scores {
     ///
     /// # Errors
     /// A condition that no photo has, or that makes no table.
-    pub fn grouped_by(mut self, groups: &[GroupBy]) -> Result<Scores, GroupByError> {
+    pub fn grouped_by(mut self, groups: &[GroupBy]) -> Result<Scores, Message> {
         groups.iter().try_for_each(|group| group.check(&self.photos))?;
         self.groups = groups.to_vec();
         self.sum_up();

@@ -7,10 +7,11 @@ use image::RgbImage;
 use serde::Serialize;
 
 use crate::error::ScoreError;
-use crate::evaluated::{DetectionSource, EvaluatedDetector};
+use crate::evaluated::{DetectionSource, EvaluatedDetector, not_changeable};
 use crate::figures::NotScored;
 use crate::observe::{Cache, DecodedPhoto, Key, NotScoredReason, Observation, PlacedModel, ScoringJob, place, preview};
 use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::message::{Message, message};
 use scaleproof_core::workers::stopwatch::{Stage, timed};
 use scaleproof_detect::{DetectError, Detection, Detector, ProgramDetector, ProgramError, ProgramPhoto, Runtime};
 use scaleproof_photo::{Photo, PhotoError, perceptual_hash};
@@ -85,6 +86,12 @@ impl From<ProgramError> for Stop {
             ProgramError::Declined { .. } => NotScoredReason::new(error).into(),
             error => Stop::Run(error.into()),
         }
+    }
+}
+
+impl From<Message> for Stop {
+    fn from(error: Message) -> Stop {
+        Stop::Run(error.into())
     }
 }
 
@@ -186,9 +193,9 @@ impl<'a> Observer<'a> {
     ) -> Result<Vec<Detection>, Stop> {
         let detector = &self.detectors[index];
         let (photo, file) = (decoded.file, &job.entry.file);
-        let not_recorded = || ScoreError::NotRecorded {
-            file: file.clone(),
-            detector: detector.manifest.name.clone(),
+        let not_recorded = || {
+            message!("{file} has no recorded detections of {}", detector.manifest.name)
+                .hint("run without ‹recorded›, or record them again with ‹record›")
         };
         match &detector.source {
             DetectionSource::Live(weights) => {
@@ -290,11 +297,7 @@ impl<'a> Observer<'a> {
                 let found = function.detect(part.file, &image)?;
                 Ok(part.in_photo(found, image.dimensions()))
             })(),
-            _ => {
-                let detector = detector.manifest.name.clone();
-                let changed = "changed";
-                Err(ScoreError::NotCorruptible { detector, changed }.into())
-            }
+            _ => Err(not_changeable(&detector.manifest.name, "changed").into()),
         })
     }
 

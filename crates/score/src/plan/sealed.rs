@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::figures::{ClusteredBy, PlanCheck};
 use crate::plan::spread::Spread;
 use scaleproof_core::files::{self, FileError};
+use scaleproof_core::message::{Message, bail, message};
 use scaleproof_detect::{Manifest, ManifestError};
 use scaleproof_pose::scene::Classes;
 
@@ -119,14 +120,12 @@ pub struct SealedFile {
 pub enum SealError {
     #[error(transparent)]
     File(#[from] FileError),
-    #[error("{path} is no sealed plan: {reason}")]
-    Syntax { path: String, reason: String },
-    #[error("{0} is there already, and a sealed plan is not changed: name another file")]
-    Exists(String),
     #[error(transparent)]
     Manifest(#[from] ManifestError),
     #[error("the plan cannot be written: {0}")]
     Unwritable(#[from] serde_json::Error),
+    #[error(transparent)]
+    Message(#[from] Message),
 }
 
 const MOST_BYTES: u64 = 4 << 20;
@@ -152,7 +151,8 @@ impl SealedPlan {
     /// Writes a new file, and returns its seal.
     pub fn write(self, path: &Path) -> Result<String, SealError> {
         if path.exists() {
-            return Err(SealError::Exists(path.display().to_string()));
+            let path = path.display();
+            bail!("{path} is there already, and a sealed plan is not changed: name another file");
         }
         let (seal, plan) = (self.seal()?, self);
         let file = SealedFile { seal, plan };
@@ -164,14 +164,11 @@ impl SealedPlan {
     /// Reads a plan; the seal is that of its content, and a deviation says when the file states another.
     pub fn read(path: &Path) -> Result<(SealedPlan, PlanCheck), SealError> {
         let bytes = files::read_at_most(path, MOST_BYTES)?;
-        let refused = |reason: String| {
-            let path = path.display().to_string();
-            SealError::Syntax { path, reason }
-        };
+        let refused = |reason: String| message!("{} is no sealed plan: {reason}", path.display());
         let place = |e: serde_json::Error| format!("line {}, column {}, does not read as one", e.line(), e.column());
         let file: SealedFile = serde_json::from_slice(&bytes).map_err(|e| refused(place(e)))?;
         if file.plan.views.iter().flatten().any(|number| number.abs() > 1e6) {
-            return Err(refused("a view of it lies beyond any bin".into()));
+            return Err(refused("a view of it lies beyond any bin".into()).into());
         }
         let seal = file.plan.seal()?;
         let mut deviations = Vec::new();

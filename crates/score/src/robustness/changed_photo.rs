@@ -12,6 +12,7 @@ use crate::robustness::corrupt::{Corruption, LONGEST_PX, cut_off};
 use crate::robustness::joined::joined;
 use scaleproof_core::files::sha256_hex;
 use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::message::{bail, message};
 use scaleproof_detect::Detection;
 use scaleproof_photo::defence::Frame;
 use scaleproof_photo::{Photo, fitting, shrunk};
@@ -26,8 +27,10 @@ pub(crate) fn detect_under(
     let path = scores.sessions[photo.session].folder.join(&photo.file);
     let file = Photo::open(&path)?;
     if file.sha256 != photo.sha256 {
-        let file = photo.file.clone();
-        return Err(ScoreError::PhotoChanged { file });
+        bail!(
+            "{} is another photo than it was at the beginning of this run: run it again",
+            photo.file
+        );
     }
     let mut decoded = DecodedPhoto::new(&file);
     let size = fitting([file.width, file.height], LONGEST_PX);
@@ -121,10 +124,7 @@ impl View {
                 return Ok(program.defended(file, reduced, self.seed as u32)?);
             }
         };
-        let not_changed = || ScoreError::NotChanged {
-            file: file.to_owned(),
-            by: condition.name(),
-        };
+        let not_changed = || message!("{file} cannot be changed by {}: it cannot be encoded", condition.name());
         Ok(made.ok_or_else(not_changed)?)
     }
 }

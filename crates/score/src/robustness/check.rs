@@ -1,7 +1,8 @@
 //! Check that the photos of a run can be changed.
 
 use crate::error::ScoreError;
-use crate::evaluated::{DetectionSource, EvaluatedDetector};
+use crate::evaluated::{DetectionSource, EvaluatedDetector, not_changeable};
+use scaleproof_core::message::bail;
 use scaleproof_session::Session;
 
 /// Checks before a run that its drops can be followed on photos that are changed: made worse, or defended.
@@ -15,8 +16,7 @@ pub fn check_changeable(
     if let Some(first) = variants.next()
         && variants.all(|variant| variant == first)
     {
-        let variant = first.clone();
-        return Err(ScoreError::OneVariant { variant, changed });
+        bail!("all photos have the variant `{first}`: there is no drop to follow on photos that are {changed}");
     }
     let takes_pixels = |detector: &&EvaluatedDetector| match &detector.source {
         DetectionSource::Live(_) | DetectionSource::Called(_) => true,
@@ -24,9 +24,8 @@ pub fn check_changeable(
         DetectionSource::Recorded(_) | DetectionSource::Outside(_) | DetectionSource::Elsewhere(_) => false,
     };
     let other = detectors.iter().find(|detector| !takes_pixels(detector));
-    let refused = |other: &EvaluatedDetector| {
-        let detector = other.manifest.name.clone();
-        Err(ScoreError::NotCorruptible { detector, changed })
-    };
-    other.map_or(Ok(()), refused)
+    match other {
+        Some(other) => Err(not_changeable(&other.manifest.name, changed).into()),
+        None => Ok(()),
+    }
 }

@@ -8,6 +8,6 @@ pub mod shard; // a large run in parts
 pub mod timed; // times of the stages of the work
 
 pub use left_out::{SessionFiles, explained, not_scored};
-pub use record::{RecordError, check_recordings, record};
+pub use record::{check_recordings, record};
 pub use score::{merge, observe, score};
 pub use timed::{TimedPhoto, timed_photos};

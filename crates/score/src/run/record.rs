@@ -1,33 +1,28 @@
 //! Detections of a run stored with its sessions, to be played back by later runs.
 
+use crate::error::ScoreError;
 use crate::evaluated::EvaluatedDetector;
 use crate::figures::Scores;
-use scaleproof_core::files::{self, FileError};
+use scaleproof_core::files;
+use scaleproof_core::message::bail;
 use scaleproof_detect::{Recorded, RecordedError, RecordedPhoto, Recording, SCORE_FLOOR};
 use scaleproof_session::Session;
-
-#[derive(Debug, thiserror::Error)]
-pub enum RecordError {
-    #[error("{session} has a recording of {detector} already")]
-    Exists { session: String, detector: String },
-    #[error(transparent)]
-    File(#[from] FileError),
-}
 
 /// Checks before a run that its detections can be stored, and, unless `replace`, that none are stored yet.
 pub fn check_recordings(
     sessions: &[Session],
     detectors: &[EvaluatedDetector],
     replace: bool,
-) -> Result<(), RecordError> {
+) -> Result<(), ScoreError> {
     for session in sessions {
         let folder = EvaluatedDetector::recordings_of(&session.folder);
         let is_there = |d: &&EvaluatedDetector| Recording::is_in(&folder, &d.manifest.name);
         if let Some(stored) = detectors.iter().find(is_there).filter(|_| !replace) {
-            return Err(RecordError::Exists {
-                session: session.folder.display().to_string(),
-                detector: stored.manifest.name.clone(),
-            });
+            let (session, detector) = (session.folder.display(), &stored.manifest.name);
+            bail!(
+                "{session} has a recording of {detector} already";
+                hint: "add ‹replace› to store it anew, or play it with ‹recorded›"
+            );
         }
         files::chosen::check_folder(&session.folder, &folder)?;
         files::check_writable(&folder)?;

@@ -10,6 +10,7 @@ use crate::observe::{NotScoredReason, Observation, Observer, Options, PlacedMode
 use crate::run::contradicted;
 use crate::run::contradicted::Judged;
 use crate::run::shard::{ShardId, ShardObservations};
+use scaleproof_core::message::{bail, message};
 use scaleproof_core::workers;
 use scaleproof_detect::Runtime;
 use scaleproof_pose::locate::Located;
@@ -84,9 +85,9 @@ pub fn merge(
 ) -> Result<Scores, ScoreError> {
     check_alike(&sessions)?;
     let mut observed_in_shard = |job: &ScoringJob| {
-        let not_observed = || ScoreError::NotObserved {
-            session: job.session.name.clone(),
-            file: job.entry.file.clone(),
+        let not_observed = || {
+            let (session, file) = (&job.session.name, &job.entry.file);
+            message!("the shards do not hold {file} of {session}: score them again")
         };
         let observation = observed.remove(&job.id).ok_or_else(not_observed)?;
         let seen = observation.and_then(|o| place(job, &o).map(|place| (o, place)));
@@ -124,7 +125,7 @@ fn over_photos<T: Sync, R: Send>(
         || Observer::new(tags, detectors, runtime, cache, photos),
         |observer, item| {
             if options.stop.load(Ordering::Relaxed) {
-                return Err(ScoreError::Stopped);
+                bail!("the run was stopped");
             }
             work(observer, item)
         },
@@ -133,20 +134,22 @@ fn over_photos<T: Sync, R: Send>(
 }
 
 fn check_alike(sessions: &[Session]) -> Result<(), ScoreError> {
-    let first = sessions.first().ok_or(ScoreError::NoSession)?;
+    let first = sessions.first().ok_or_else(|| message!("no session to score"))?;
     let real = |s: &Session| s.folder.canonicalize().unwrap_or_else(|_| s.folder.clone());
     let places: Vec<_> = sessions.iter().map(real).collect();
     let name = |s: &Session| s.folder.display().to_string();
     if let Some(i) = (1..places.len()).find(|i| places[..*i].contains(&places[*i])) {
-        let folder = name(&sessions[i]);
-        return Err(ScoreError::SessionTwice { folder });
+        bail!(
+            "the session {} is named twice: each photo counts once",
+            name(&sessions[i])
+        );
     }
     let alike = |s: &&Session| s.scene.bins == first.scene.bins && s.scene.model.class == first.scene.model.class;
     let Some(other) = sessions.iter().find(|s| !alike(s)) else {
         return Ok(());
     };
     let (a, b) = (name(first), name(other));
-    Err(ScoreError::DifferentScenes { a, b })
+    bail!("{a} and {b} have different bins or model classes: score them in separate runs")
 }
 
 /// Returns the result of observing a photo.

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::evaluated::{EvaluatedDetector, EvaluatedDetectorError, evaluated_detectors};
 use crate::observe::{NotScoredReason, Observation};
 use scaleproof_core::files::{self, FileError};
+use scaleproof_core::message::{Message, bail, message};
 use scaleproof_detect::{ForeignCard, Manifest};
 use scaleproof_pose::tags::TagDetectorChoice;
 use scaleproof_session::{Session, SessionError};
@@ -37,10 +38,12 @@ impl ShardId {
     }
 
     /// Parses `2/3`, `slurm`, or `k8s/3`. The environment is read only when it is named.
-    pub fn parse(text: &str, environment: impl Fn(&str) -> Option<String>) -> Result<ShardId, ShardIdError> {
+    pub fn parse(text: &str, environment: impl Fn(&str) -> Option<String>) -> Result<ShardId, Message> {
         let number = |name: &'static str| {
-            let value = environment(name).ok_or(ShardIdError::NotSet { name })?;
-            value.parse::<u64>().map_err(|_| ShardIdError::NoNumber { name, value })
+            let not_set = || message!("{name} is not set: this is no such job, write the shard as 2/3");
+            let value = environment(name).ok_or_else(not_set)?;
+            let number = value.parse::<u64>();
+            number.map_err(|_| message!("{name} is {value}, which is no number"))
         };
         let id = match text.split_once('/') {
             None if text == "slurm" => {
@@ -48,7 +51,9 @@ impl ShardId {
                 let (id, count) = (number("SLURM_ARRAY_TASK_ID")?, number("SLURM_ARRAY_TASK_COUNT")?);
                 let steps = last.checked_sub(first).and_then(|steps| steps.checked_add(1));
                 if steps != Some(count) {
-                    return Err(ShardIdError::Gaps { first, last, count });
+                    bail!(
+                        "the array job counts from {first} to {last} but has {count} tasks: number them without gaps, as in --array=1-{count}"
+                    );
                 }
                 let index = id.checked_sub(first).and_then(|steps| steps.checked_add(1));
                 index.map(|index| (index, count))
@@ -61,8 +66,12 @@ impl ShardId {
             None => None,
         };
         let id = id.map(|(index, count)| ShardId { index, count });
-        id.filter(ShardId::is_there)
-            .ok_or_else(|| ShardIdError::NoShard { text: text.to_owned() })
+        let no_shard = || {
+            message!(
+                "{text} names no shard: write 2/3 for the second of three, slurm in an array job, or k8s/3 in an indexed job of three"
+            )
+        };
+        id.filter(ShardId::is_there).ok_or_else(no_shard)
     }
 
     pub fn file_name(&self) -> String {
@@ -77,28 +86,11 @@ impl fmt::Display for ShardId {
 }
 
 impl FromStr for ShardId {
-    type Err = ShardIdError;
+    type Err = Message;
 
-    fn from_str(text: &str) -> Result<ShardId, ShardIdError> {
+    fn from_str(text: &str) -> Result<ShardId, Message> {
         ShardId::parse(text, files::environment::text)
     }
-}
-
-/// Reason why it is not clear which shard is meant.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum ShardIdError {
-    #[error(
-        "{text} names no shard: write 2/3 for the second of three, slurm in an array job, or k8s/3 in an indexed job of three"
-    )]
-    NoShard { text: String },
-    #[error("{name} is not set: this is no such job, write the shard as 2/3")]
-    NotSet { name: &'static str },
-    #[error("{name} is {value}, which is no number")]
-    NoNumber { name: &'static str, value: String },
-    #[error(
-        "the array job counts from {first} to {last} but has {count} tasks: number them without gaps, as in --array=1-{count}"
-    )]
-    Gaps { first: u64, last: u64, count: u64 },
 }
 
 /// Sessions, detectors and versions that all shards of a run have in common.
@@ -140,7 +132,7 @@ impl Run {
     pub fn sessions(&self) -> Result<Vec<Session>, ShardError> {
         let (theirs, own) = (self.libraries.clone(), TagDetectorChoice::default().provenance());
         if theirs != own {
-            return Err(ShardError::OtherLibraries { theirs, own });
+            bail!("the shards were scored with {theirs}, and here is {own}: merge where they were scored");
         }
         self.sessions.iter().map(SessionSeen::opened).collect()
     }
@@ -178,7 +170,7 @@ impl Run {
         if fingerprints.eq(self.detectors.iter().map(|used| used.fingerprint.clone())) {
             Ok(detectors)
         } else {
-            Err(ShardError::DetectorChanged)
+            bail!("a manifest or a recording has changed since the shards were scored: score them again")
         }
     }
 }
@@ -200,11 +192,12 @@ impl SessionSeen {
     }
 
     fn opened(&self) -> Result<Session, ShardError> {
-        let (session, folder) = (Session::open(&self.folder)?, self.folder.clone());
+        let session = Session::open(&self.folder)?;
         if session.hashes == self.hashes {
             Ok(session)
         } else {
-            Err(ShardError::SessionChanged { folder })
+            let folder = self.folder.display();
+            bail!("{folder} has changed since the shards were scored: score them again")
         }
     }
 }
@@ -228,6 +221,7 @@ pub struct Shard {
     pub observed: ShardObservations,
 }
 
+/// Reason why shards are not one run.
 #[derive(Debug, thiserror::Error)]
 pub enum ShardError {
     #[error(transparent)]
@@ -236,36 +230,12 @@ pub enum ShardError {
     Session(#[from] SessionError),
     #[error(transparent)]
     Detector(#[from] EvaluatedDetectorError),
-    #[error("{path} is not a shard", path = path.display())]
-    NotAShard { path: PathBuf },
-    #[error("{path} was written by scaleproof {found}, and this is {}: score it again, or merge with that version", VERSION, path = path.display())]
-    OtherVersion { path: PathBuf, found: String },
     #[error("{path} is damaged: copy it again, or score that shard again", path = path.display())]
     Damaged { path: PathBuf },
-    #[error("no shard to merge")]
-    None,
-    #[error("{a} and {b} are of different runs ({what} differ): merge the shards of one run only", a = a.display(), b = b.display())]
-    OtherRun { a: PathBuf, b: PathBuf, what: &'static str },
-    #[error("{a} and {b} are the same shard: name each once", a = a.display(), b = b.display())]
-    Twice { a: PathBuf, b: PathBuf },
-    #[error(
-        "{found} of {count} shards are here; missing: {} (score what is missing and merge all)",
-        list_of(missing)
-    )]
-    Missing {
-        found: usize,
-        count: u64,
-        /// The first missing shards, up to one more than the sentence names.
-        missing: Vec<u64>,
-    },
-    #[error("the shards were scored with {theirs}, and here is {own}: merge where they were scored")]
-    OtherLibraries { theirs: String, own: String },
-    #[error("{folder} has changed since the shards were scored: score them again", folder = folder.display())]
-    SessionChanged { folder: PathBuf },
-    #[error("a manifest or a recording has changed since the shards were scored: score them again")]
-    DetectorChanged,
     #[error("the shard cannot be written: {0}")]
     Write(#[from] postcard::Error),
+    #[error(transparent)]
+    Message(#[from] Message),
 }
 
 const MISSING_NAMED: usize = 5;
@@ -297,19 +267,21 @@ impl Shard {
     /// Reads a shard and makes sure that it is whole and of this version.
     pub fn open(path: &Path) -> Result<Shard, ShardError> {
         let bytes = files::read(path)?;
-        let path = || path.to_owned();
+        let shown = path.display();
         let after_magic = bytes.strip_prefix(MAGIC.as_bytes());
         let head = after_magic.and_then(line);
-        let (version, rest) = head.ok_or_else(|| ShardError::NotAShard { path: path() })?;
+        let (version, rest) =
+            head.ok_or_else(|| message!("{shown} is not a shard").hint("name the files that score ‹shard› wrote"))?;
         if version != VERSION {
-            let (path, found) = (path(), version.to_owned());
-            return Err(ShardError::OtherVersion { path, found });
+            bail!(
+                "{shown} was written by scaleproof {version}, and this is {VERSION}: score it again, or merge with that version"
+            );
         }
         let whole = line(rest).filter(|(sum, content)| *sum == files::sha256_hex(content));
         whole
             .and_then(|(_, content)| postcard::from_bytes(content).ok())
             .filter(|shard: &Shard| shard.id.is_there())
-            .ok_or_else(|| ShardError::Damaged { path: path() })
+            .ok_or_else(|| ShardError::Damaged { path: path.to_owned() })
     }
 }
 
@@ -333,26 +305,26 @@ pub fn whole_run(paths: &[PathBuf]) -> Result<WholeRun, ShardError> {
             None => (run, count) = (Some(shard.run), shard.id.count),
             Some(first) => {
                 if let Some(what) = difference(first, &shard.run, count, shard.id.count) {
-                    let (a, b) = (paths[0].clone(), path.clone());
-                    return Err(ShardError::OtherRun { a, b, what });
+                    let (a, b) = (paths[0].display(), path.display());
+                    bail!("{a} and {b} are of different runs ({what} differ): merge the shards of one run only");
                 }
             }
         }
         if let Some(same) = seen.insert(shard.id.index, path) {
-            let (a, b) = (same.clone(), path.clone());
-            return Err(ShardError::Twice { a, b });
+            let (a, b) = (same.display(), path.display());
+            bail!("{a} and {b} are the same shard: name each once");
         }
         observed.extend(shard.observed);
     }
-    let run = run.ok_or(ShardError::None)?;
+    let run = run.ok_or_else(|| message!("no shard to merge"))?;
     // One more than are named: a mistyped count may be any number.
     let missing = (1..=count).filter(|index| !seen.contains_key(index));
     let missing: Vec<u64> = missing.take(MISSING_NAMED + 1).collect();
     if missing.is_empty() {
         return Ok((run, observed));
     }
-    let found = seen.len();
-    Err(ShardError::Missing { found, count, missing })
+    let (found, missing) = (seen.len(), list_of(&missing));
+    bail!("{found} of {count} shards are here; missing: {missing} (score what is missing and merge all)")
 }
 
 fn difference(a: &Run, b: &Run, a_count: u64, b_count: u64) -> Option<&'static str> {
