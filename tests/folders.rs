@@ -461,7 +461,7 @@ fn a_new_session_is_whole_or_nothing_and_replaces_nothing() {
     );
     refused(
         &[&["there", &normal, "--copy"][..], &about].concat(),
-        &["there has files already: with --copy name a new folder"],
+        &["there has files already\nhint: with --copy name a new folder"],
     );
     refused(
         &[&["camera.yaml", &normal][..], &about].concat(),
@@ -673,7 +673,7 @@ fn recordings_are_replaced_only_when_told_to() {
     std::fs::remove_dir_all(desk.at("out")).unwrap();
     assert_refused(
         &score(&[&MADE[..], &["--record"]].concat()),
-        &["s has a recording of made already: add --replace to store it anew, or play it with --recorded"],
+        &["s has a recording of made already\nhint: add --replace to store it anew, or play it with --recorded"],
     );
     assert!(!desk.at("out").exists(), "refused before the work");
     assert_eq!(contents(&desk.at("s/recorded")), before);

@@ -17,9 +17,7 @@ use scaleproof_print::tags::{Instead, TagPrintError};
 use scaleproof_print::template::TemplateError;
 use scaleproof_print::wrap::WrapError;
 use scaleproof_score::shard::ShardError;
-use scaleproof_score::{CompareError, EvaluatedDetectorError, GroupByError, RecordError, ScoreError};
-use scaleproof_session::NewSessionError;
-use scaleproof_session::import::SessionImportError;
+use scaleproof_score::{CompareError, EvaluatedDetectorError, ScoreError};
 use scaleproof_surface::mesh::MeshError;
 use scaleproof_surface::pattern::PatternError;
 use scaleproof_surface::texture::TextureError;
@@ -82,8 +80,6 @@ pub(super) fn on(error: &(dyn Error + 'static)) -> Option<String> {
         ScoreError::Tags(e) => on(e)?,
         ProgramError::Lost(e) => on(e.as_ref())?,
         CompareError::NoBase { .. } => "name one of these with --base",
-        GroupByError::Unknown { hint, .. } if hint.is_empty() =>
-            "`session import` keeps the columns of a table, and session.json has `conditions` for each photo",
         WeightsError::Missing { file, .. } => format!(", or name a folder with {file} by --detectors"),
         WeightsError::NoCache => ", or name a folder by --detectors",
         ManifestError::NoManifest { network, .. } => format!("run `scaleproof detectors add {}` first", network.display()),
@@ -96,7 +92,6 @@ pub(super) fn on(error: &(dyn Error + 'static)) -> Option<String> {
         ProposeError::NoLabels { .. } => "name the labels by --labels, as coco80, coco91, voc20 or a file with one a line",
         ProposalNote::LabelsByCount { .. } => "name others by --labels",
         ProposalNote::OpenSize { .. } => ", name another by --size",
-        ShardError::NotAShard { .. } => "name the files that score --shard wrote",
         WrapError::OtherSize { .. } =>
             "; give --length-mm, or --mesh-front and --mesh-up if the mesh lies otherwise, or correct size_mm of the scene",
         MeshError::NoModel { .. } => " (--length-mm)",
@@ -117,10 +112,6 @@ pub(super) fn on(error: &(dyn Error + 'static)) -> Option<String> {
             "say what its categories are called by --categories, and with --first-label 0 if they count from 0",
         OutsideError::WhoseCategories { images, .. } => format!("say by --categories, which may be {} too", images.display()),
         OutsideError::NotListed { .. } => "run the other program on it too (see `scaleproof session export`)",
-        RecordError::Exists { .. } => "add --replace to store it anew, or play it with --recorded",
-        ScoreError::NotRecorded { .. } => "run without --recorded, or record them again with --record",
-        SessionImportError::NoVariant { .. } => ", or give --variant for all",
-        NewSessionError::NotEmpty { .. } => "with --copy name a new folder",
         TextureError::NoCoordinates { .. } => " (--material or --faces)",
         TextureError::NoImages | TextureError::Material { .. } => "; --texture takes another image",
     }

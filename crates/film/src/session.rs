@@ -18,8 +18,8 @@ use scaleproof_pose::camera::{Camera, CameraError};
 use scaleproof_pose::scene::Scene;
 use scaleproof_pose::tags::{StartError, TagDetectorChoice};
 use scaleproof_session::filling::{self, FillingError};
-use scaleproof_session::folders::{self, FoldersError, PhotoFolder};
-use scaleproof_session::{NewSession, NewSessionError, PhotoEntry, Session};
+use scaleproof_session::folders::{self, PhotoFolder};
+use scaleproof_session::{NewSession, PhotoEntry, Session, SessionError};
 use scaleproof_video::{Selection, VideoError};
 
 /// A video that is to become photos of a session.
@@ -98,8 +98,7 @@ failed!(
     CameraError,
     FileError,
     FillingError,
-    FoldersError,
-    NewSessionError,
+    SessionError,
     StartError,
     VideoError
 );

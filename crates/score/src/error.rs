@@ -1,6 +1,7 @@
 //! Error of a run that could not finish.
 
-use super::NotScored;
+use scaleproof_core::files::FileError;
+use scaleproof_core::message::Message;
 use scaleproof_detect::{DetectError, OutsideError, ProgramError};
 use scaleproof_photo::PhotoError;
 use scaleproof_pose::tags::StartError;
@@ -9,38 +10,14 @@ use scaleproof_pose::tags::StartError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ScoreError {
-    #[error("the run was stopped")]
-    Stopped,
-    #[error("no session to score")]
-    NoSession,
-    #[error("{a} and {b} have different bins or model classes: score them in separate runs")]
-    DifferentScenes { a: String, b: String },
-    #[error("the session {folder} is named twice: each photo counts once")]
-    SessionTwice { folder: String },
-    #[error("{file} has no recorded detections of {detector}")]
-    NotRecorded { file: String, detector: String },
     #[error("{}", none_of(*photos, file, reason))]
     NothingScored {
         photos: usize,
         file: String,
         reason: String,
     },
-    #[error("the shards do not hold {file} of {session}: score them again")]
-    NotObserved { session: String, file: String },
-    #[error(
-        "{detector} cannot look at photos that are {changed}: stored detections and those of other programs are of the photos as they are, and programs must take pixels (\"input\": \"rgb\")"
-    )]
-    NotCorruptible {
-        detector: String,
-        /// Kind of change, as in "made worse".
-        changed: &'static str,
-    },
-    #[error("all photos have the variant `{variant}`: there is no drop to follow on photos that are {changed}")]
-    OneVariant { variant: String, changed: &'static str },
-    #[error("{file} is another photo than it was at the beginning of this run: run it again")]
-    PhotoChanged { file: String },
-    #[error("{file} cannot be changed by {by}: it cannot be encoded")]
-    NotChanged { file: String, by: String },
+    #[error(transparent)]
+    File(#[from] FileError),
     #[error(transparent)]
     Photo(#[from] PhotoError),
     #[error(transparent)]
@@ -51,14 +28,8 @@ pub enum ScoreError {
     Detect(#[from] DetectError),
     #[error(transparent)]
     Tags(#[from] StartError),
-}
-
-/// Returns the error of a run whose photos were all left out; none without any photo.
-pub(super) fn nothing_scored(photos: usize, first: Option<&NotScored>) -> Result<(), ScoreError> {
-    let Some(NotScored { file, reason, .. }) = first.cloned() else {
-        return Ok(());
-    };
-    Err(ScoreError::NothingScored { photos, file, reason })
+    #[error(transparent)]
+    Message(#[from] Message),
 }
 
 fn none_of(photos: usize, file: &str, reason: &str) -> String {

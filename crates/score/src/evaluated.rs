@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use scaleproof_core::files;
+use scaleproof_core::message::{Message, bail, message};
 use scaleproof_detect::{
     AnchorLabels, CalledDetector, DetectError, Detection, ForeignCard, Labels, Manifest, NoSuchClass, OutsideError,
     OutsideResults, ProgramDetector, Recorded, RecordedError, Runtime, WeightFolders, WeightsError,
@@ -26,7 +27,7 @@ pub struct EvaluatedDetector {
 
 impl EvaluatedDetector {
     /// Returns true if it may take the whole of a photo of this size, not a reduced one.
-    pub(super) fn looks_at_whole(&self, size: [u32; 2]) -> bool {
+    pub(crate) fn looks_at_whole(&self, size: [u32; 2]) -> bool {
         match &self.source {
             DetectionSource::Live(_) => self.manifest.least_px(size[0], size[1]) == size,
             DetectionSource::Program(_) | DetectionSource::Called(_) => true,
@@ -62,8 +63,8 @@ pub enum EvaluatedDetectorError {
     NoSuchClass(#[from] NoSuchClass),
     #[error(transparent)]
     Outside(#[from] OutsideError),
-    #[error("the manifest of {detector} is not valid: {fault}")]
-    ClassMap { detector: String, fault: String },
+    #[error(transparent)]
+    Message(#[from] Message),
 }
 
 const RECORDED: &str = "recorded";
@@ -110,8 +111,7 @@ impl EvaluatedDetector {
     /// Makes a detector whose class map was not read from a manifest, and is checked here.
     fn mapped(manifest: Manifest, source: DetectionSource, class: &Classes) -> Result<Self, EvaluatedDetectorError> {
         if let Some(fault) = manifest.class_map_fault() {
-            let detector = manifest.name;
-            return Err(EvaluatedDetectorError::ClassMap { detector, fault });
+            bail!("the manifest of {} is not valid: {fault}", manifest.name);
         }
         EvaluatedDetector::new(manifest, source, class)
     }
@@ -222,4 +222,12 @@ pub fn evaluated_detectors(
 pub fn runtime(detectors: &[EvaluatedDetector]) -> Result<Option<&'static Runtime>, DetectError> {
     let is_needed = detectors.iter().any(EvaluatedDetector::is_live);
     is_needed.then(Runtime::load).transpose()
+}
+
+/// Returns the error of a detector that is played back or cannot take pixels, for photos that are `changed`, as in "made worse".
+pub(crate) fn not_changeable(detector: &str, changed: &str) -> Message {
+    message!(
+        "{detector} cannot look at photos that are {changed}: stored detections and those of other programs are of the photos as they are, and programs \
+         must take pixels (\"input\": \"rgb\")"
+    )
 }

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
-use super::Session;
+use crate::opened::Session;
 use scaleproof_core::spelling;
 use scaleproof_photo::PhotoError;
 use scaleproof_pose::scene::{Classes, Scene, TagFamily};

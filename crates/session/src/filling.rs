@@ -1,19 +1,21 @@
 //! Lock of a session against concurrent runs: the list of one would overwrite the photos of another.
 
 use std::fs::{File, TryLockError};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use scaleproof_core::files::{self, FileError};
+use scaleproof_core::message::{Message, bail};
 
 /// Name of the lock file of the run that fills the session.
 pub const MARK: &str = ".capture.lock";
 
+/// Reason why a session cannot be locked.
 #[derive(Debug, thiserror::Error)]
 pub enum FillingError {
-    #[error("another run is filling {folder}: end it first", folder = folder.display())]
-    InUse { folder: PathBuf },
     #[error(transparent)]
     File(#[from] FileError),
+    #[error(transparent)]
+    Message(#[from] Message),
 }
 
 /// Locks a session's folder against other runs until the file is closed, at the latest at the end of the process.
@@ -25,10 +27,7 @@ pub fn locked(folder: &Path) -> Result<File, FillingError> {
     let file = files::chosen::mark(folder, &path)?;
     match file.try_lock() {
         Ok(()) => Ok(file),
-        Err(TryLockError::WouldBlock) => {
-            let folder = folder.to_owned();
-            Err(FillingError::InUse { folder })
-        }
+        Err(TryLockError::WouldBlock) => bail!("another run is filling {}: end it first", folder.display()),
         Err(TryLockError::Error(e)) => Err(FileError::write(&path, &e).into()),
     }
 }

@@ -3,8 +3,11 @@
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 
-use super::{PhotoEntry, Session, SessionError};
+use crate::error::SessionError;
+use crate::list::PhotoEntry;
+use crate::opened::Session;
 use scaleproof_core::files::{self, FileError};
+use scaleproof_core::message::{Message, bail, message};
 use scaleproof_photo as photo;
 
 /// Lower-case endings of files read as photos.
@@ -15,34 +18,6 @@ const HEIF: [&str; 3] = ["heic", "heif", "avif"];
 const OTHER_IMAGES: [&str; 15] = [
     "heic", "heif", "avif", "webp", "tif", "tiff", "bmp", "gif", "dng", "cr2", "cr3", "nef", "arw", "raf", "rw2",
 ];
-
-/// Reason why folders make no session.
-#[derive(Debug, thiserror::Error)]
-pub enum FoldersError {
-    #[error(transparent)]
-    File(#[from] FileError),
-    #[error(transparent)]
-    Session(#[from] SessionError),
-    #[error("{}: there is no such folder", given(variant, folder))]
-    Missing { variant: String, folder: PathBuf },
-    #[error("{}: this is a file; name the folder with the photos", given(variant, folder))]
-    NotAFolder { variant: String, folder: PathBuf },
-    #[error("{}: the folder has no JPEG or PNG files{hint}", given(variant, folder))]
-    NoPhotos {
-        variant: String,
-        folder: PathBuf,
-        /// Other content of the folder, in brackets; or empty.
-        hint: String,
-    },
-    #[error("the folder {folder} is given twice: each photo counts once", folder = folder.display())]
-    Twice { folder: PathBuf },
-    #[error("the name {path} is not UTF-8 text: rename it", path = path.display())]
-    NotText { path: PathBuf },
-}
-
-fn given(variant: &str, folder: &Path) -> String {
-    format!("{variant}={}", folder.display())
-}
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PhotoFolder {
@@ -79,13 +54,15 @@ pub struct Gathered {
 }
 
 /// Makes a session of folders: their photos in the order of the folders and by name, with `place` for folders without a place of their own.
-pub fn gather(folders: &[PhotoFolder], scene: &Path, camera: &Path, place: &str) -> Result<Gathered, FoldersError> {
+pub fn gather(folders: &[PhotoFolder], scene: &Path, camera: &Path, place: &str) -> Result<Gathered, SessionError> {
     let mut listed: Vec<Listed> = Vec::new();
     for folder in folders {
         let found = list(folder)?;
         if listed.iter().any(|other| other.real == found.real) {
-            let folder = folder.folder.clone();
-            return Err(FoldersError::Twice { folder });
+            bail!(
+                "the folder {} is given twice: each photo counts once",
+                folder.folder.display()
+            );
         }
         listed.push(found);
     }
@@ -109,34 +86,40 @@ pub fn gather(folders: &[PhotoFolder], scene: &Path, camera: &Path, place: &str)
 }
 
 /// Returns `folder/name`, or just the name for no folder.
-pub(super) fn joined(folder: &str, name: &str) -> String {
+pub(crate) fn joined(folder: &str, name: &str) -> String {
     match folder {
         "" => name.to_owned(),
         folder => format!("{folder}/{name}"),
     }
 }
 
-pub(super) fn text_path(path: &Path) -> Result<String, FoldersError> {
+pub(crate) fn text_path(path: &Path) -> Result<String, SessionError> {
     let part = |part: Component| part.as_os_str().to_str().map(str::to_owned);
     let parts: Option<Vec<String>> = path.components().map(part).collect();
-    let not_text = || FoldersError::NotText { path: path.to_owned() };
-    Ok(parts.ok_or_else(not_text)?.join("/"))
+    Ok(parts.ok_or_else(|| not_text(path))?.join("/"))
 }
 
-fn list(given: &PhotoFolder) -> Result<Listed, FoldersError> {
-    let (variant, folder) = (given.variant.clone(), given.folder.clone());
-    match std::fs::metadata(&folder) {
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Err(FoldersError::Missing { variant, folder }),
-        Ok(about) if !about.is_dir() => return Err(FoldersError::NotAFolder { variant, folder }),
+fn not_text(path: &Path) -> Message {
+    message!("the name {} is not UTF-8 text: rename it", path.display())
+}
+
+fn list(given: &PhotoFolder) -> Result<Listed, SessionError> {
+    let folder = &given.folder;
+    let named = format!("{}={}", given.variant, folder.display());
+    match std::fs::metadata(folder) {
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => bail!("{named}: there is no such folder"),
+        Ok(about) if !about.is_dir() => bail!("{named}: this is a file; name the folder with the photos"),
         _ => {}
     }
-    let listing = Listing::of(&folder)?;
+    let listing = Listing::of(folder)?;
     if listing.photos.is_empty() {
-        let hint = listing.instead(&folder);
-        return Err(FoldersError::NoPhotos { variant, folder, hint });
+        bail!(
+            "{named}: the folder has no JPEG or PNG files{}",
+            listing.instead(folder)
+        );
     }
     Ok(Listed {
-        real: files::whole_path(&folder)?,
+        real: files::whole_path(folder)?,
         given: given.clone(),
         listing,
     })
@@ -144,7 +127,7 @@ fn list(given: &PhotoFolder) -> Result<Listed, FoldersError> {
 
 impl Listing {
     /// Lists a folder.
-    pub fn of(folder: &Path) -> Result<Listing, FoldersError> {
+    pub fn of(folder: &Path) -> Result<Listing, SessionError> {
         let mut listing = Listing::default();
         for entry in std::fs::read_dir(folder).map_err(|e| FileError::read(folder, &e))? {
             let path = entry.map_err(|e| FileError::read(folder, &e))?.path();
@@ -164,7 +147,7 @@ impl Listing {
                 Some(name) if name.starts_with('.') => {}
                 Some(name) => kind.push(name.to_owned()),
                 None if is_dir => {}
-                None => return Err(FoldersError::NotText { path }),
+                None => return Err(not_text(&path).into()),
             }
         }
         listing.drop_twins();

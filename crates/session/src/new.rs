@@ -3,29 +3,12 @@
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 
-use super::folders::{FoldersError, Gathered, joined, text_path};
-use super::{PhotoEntry, SessionError, SessionFile, syntax};
+use crate::error::SessionError;
+use crate::folders::{Gathered, joined, text_path};
+use crate::list::{PhotoEntry, SessionFile, syntax};
 use scaleproof_core::files::{self, FileError};
+use scaleproof_core::message::{bail, message};
 use scaleproof_pose::scene::Scene;
-
-/// Reason why no session was made.
-#[derive(Debug, thiserror::Error)]
-pub enum NewSessionError {
-    #[error(transparent)]
-    File(#[from] FileError),
-    #[error(transparent)]
-    Folders(#[from] FoldersError),
-    #[error(transparent)]
-    Session(#[from] SessionError),
-    #[error("{folder} has {file} already: each photo counts once", folder = folder.display())]
-    Listed { folder: PathBuf, file: String },
-    #[error("{folder} has files already", folder = folder.display())]
-    NotEmpty { folder: PathBuf },
-    #[error("{path} is there already and another file: name a new folder for the session", path = path.display())]
-    Other { path: PathBuf },
-    #[error("the scene's mesh {mesh} does not lie below the scene's folder, so that it cannot be copied into the session: put it there", mesh = mesh.display())]
-    MeshElsewhere { mesh: PathBuf },
-}
 
 /// Sources and folder of a new session.
 #[derive(Debug, Clone, Copy)]
@@ -52,15 +35,14 @@ impl NewSession<'_> {
     ///
     /// # Errors
     /// Files in the way, photos that the session has already, a file that cannot be read or written.
-    pub fn write(&self) -> Result<(PathBuf, Vec<PhotoEntry>), NewSessionError> {
+    pub fn write(&self) -> Result<(PathBuf, Vec<PhotoEntry>), SessionError> {
         let path = self.folder.join("session.json");
-        let folder = || self.folder.to_owned();
         if path.exists() {
             return Ok((path.clone(), self.add_to(&path)?));
         }
         let is_new = is_free(self.folder)?;
         if self.copy && !is_new {
-            return Err(NewSessionError::NotEmpty { folder: folder() });
+            bail!("{} has files already", self.folder.display(); hint: "with ‹copy› name a new folder");
         }
         let home = real_place(self.folder)?;
         let mut files = Files::new();
@@ -85,17 +67,17 @@ impl NewSession<'_> {
     }
 
     /// Adds the photos to the session of a `session.json`, with their copies in new folders; returns all of its photos.
-    fn add_to(&self, path: &Path) -> Result<Vec<PhotoEntry>, NewSessionError> {
+    fn add_to(&self, path: &Path) -> Result<Vec<PhotoEntry>, SessionError> {
         let (home, mut files) = (real_place(self.folder)?, Files::new());
         let text = files::read_text(path)?;
-        let mut list: SessionFile = serde_json::from_str(&text).map_err(|e| SessionError::from(syntax(path, &e)))?;
+        let mut list: SessionFile = serde_json::from_str(&text).map_err(|e| syntax(path, &e))?;
         let new = self.photos(&home, &mut files)?;
         if let Some(twice) = new
             .iter()
             .find(|photo| list.photos.iter().any(|old| old.file == photo.file))
         {
-            let (folder, file) = (self.folder.to_owned(), twice.file.clone());
-            return Err(NewSessionError::Listed { folder, file });
+            let folder = self.folder.display();
+            bail!("{folder} has {} already: each photo counts once", twice.file);
         }
         list.photos.extend(new);
         let in_folder = |(name, _): &(PathBuf, Content)| name.parent().map(Path::to_owned).unwrap_or_default();
@@ -125,7 +107,7 @@ impl NewSession<'_> {
     }
 
     /// Writes files into a folder that has files already.
-    fn write_beside(&self, files: Files) -> Result<(), NewSessionError> {
+    fn write_beside(&self, files: Files) -> Result<(), SessionError> {
         let mut contents = Vec::new();
         for (name, content) in files {
             let path = self.folder.join(name);
@@ -133,19 +115,25 @@ impl NewSession<'_> {
             if !path.exists() {
                 contents.push((path, bytes));
             } else if files::read(&path)? != bytes {
-                return Err(NewSessionError::Other { path });
+                let path = path.display();
+                bail!("{path} is there already and another file: name a new folder for the session");
             }
         }
         Ok(files::replace_all_atomically(self.folder, &contents)?)
     }
 
     /// Returns the path of the scene in the session: its own if it is inside, else a copy with its mesh.
-    fn scene(&self, home: &Path, files: &mut Files) -> Result<PathBuf, NewSessionError> {
+    fn scene(&self, home: &Path, files: &mut Files) -> Result<PathBuf, SessionError> {
         if let Some(inside) = inside(self.scene, home) {
             return Ok(inside);
         }
         files.push(("scene.toml".into(), Content::Bytes(files::read(self.scene)?)));
-        let below = files_below(&self.photos.session.scene).map_err(|mesh| NewSessionError::MeshElsewhere { mesh })?;
+        let below = files_below(&self.photos.session.scene).map_err(|mesh| {
+            message!(
+                "the scene's mesh {} does not lie below the scene's folder, so that it cannot be copied into the session: put it there",
+                mesh.display()
+            )
+        })?;
         for file in below {
             let read = files::read(&self.scene.with_file_name(&file))?;
             files.push((file, Content::Bytes(read)));
@@ -153,7 +141,7 @@ impl NewSession<'_> {
         Ok("scene.toml".into())
     }
 
-    fn camera(&self, home: &Path, files: &mut Files) -> Result<PathBuf, NewSessionError> {
+    fn camera(&self, home: &Path, files: &mut Files) -> Result<PathBuf, SessionError> {
         if let Some(inside) = inside(self.camera, home) {
             return Ok(inside);
         }
@@ -164,7 +152,7 @@ impl NewSession<'_> {
     }
 
     /// Returns the photos with paths relative to the session; or copies in one folder per source folder, with its name.
-    fn photos(&self, home: &Path, files: &mut Files) -> Result<Vec<PhotoEntry>, NewSessionError> {
+    fn photos(&self, home: &Path, files: &mut Files) -> Result<Vec<PhotoEntry>, SessionError> {
         let there = std::fs::read_dir(home).into_iter().flatten().flatten();
         let mut taken: BTreeSet<String> = there.map(|e| e.file_name().to_string_lossy().to_lowercase()).collect();
         let mut photos = Vec::new();

@@ -1,8 +1,9 @@
 //! Control, a second round of the base: effects no larger than the difference between the two rounds are withheld.
 
-use super::finding::{Effect, Finding};
-use super::result::{Compared, Control, Difference};
-use super::{CompareError, Scores, pairs};
+use crate::compare::error::CompareError;
+use crate::compare::pairs;
+use crate::figures::{Compared, Control, Difference, Effect, Finding, Scores};
+use scaleproof_core::message::bail;
 use scaleproof_core::spelling;
 
 /// Difference below which two drops count as equal.
@@ -31,27 +32,25 @@ impl Scores {
 /// Checks that one of these variants can be the control of some texture against a base.
 pub fn check_control(variants: &[&str], base: &str, control: &str) -> Result<(), CompareError> {
     let others: Vec<&str> = variants.iter().copied().filter(|v| *v != base).collect();
-    let hint = || spelling::hint(control, others.iter().copied());
+    let similar = || spelling::hint(control, others.iter().copied());
     if control == base {
-        let (base, hint) = (base.to_owned(), hint());
-        Err(CompareError::ControlIsBase { base, hint })
-    } else if !others.contains(&control) {
-        let (control, variants, hint) = (control.to_owned(), variants.join(", "), hint());
-        Err(CompareError::NoControl {
-            control,
-            variants,
-            hint,
-        })
-    } else if others.len() == 1 {
-        let (base, control) = (base.to_owned(), control.to_owned());
-        Err(CompareError::NothingBesideControl { base, control })
-    } else {
-        Ok(())
+        let similar = similar();
+        bail!(
+            "the control is the base itself, `{base}`: it has to be a second plain round, under another name{similar}"
+        );
     }
+    if !others.contains(&control) {
+        let (variants, similar) = (variants.join(", "), similar());
+        bail!("no photo has the variant `{control}`, which is to be the control, only {variants}{similar}");
+    }
+    if others.len() == 1 {
+        bail!("all photos have the variant `{base}` or that of its control, `{control}`: add those of a texture");
+    }
+    Ok(())
 }
 
 /// Withholds effects that are no larger than those of the control.
-pub(super) fn hold_back(results: &mut [Compared], control: &Control) {
+pub(crate) fn hold_back(results: &mut [Compared], control: &Control) {
     for compared in results {
         let own = control.results.iter().find(|own| own.detector == compared.detector);
         let (Some(own), Some(finding)) = (own, compared.finding) else {

@@ -2,17 +2,16 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::control::hold_back;
-use super::detectable::drop_shown_from;
-use super::finding::{Effect, Finding, InPlacesLikeThese};
-use super::result::{Compared, Comparison, PairedView, Sums};
+use crate::compare::control::hold_back;
+use crate::compare::detectable::drop_shown_from;
+use crate::figures::{Compared, Comparison, Effect, Finding, InPlacesLikeThese, PairedView, Sums};
 use scaleproof_core::statistics::{shares, sign_flip_p, smallest_sign_flip_p};
 
 /// Rate of wrong findings that is promised, for the confidence and again for the hit rate.
 pub(crate) const LEVEL: f64 = 0.05;
 
 /// Mean confidence of the base below which a detector does not see it.
-pub(super) const LEAST_SEEN: f64 = 0.1;
+pub(crate) const LEAST_SEEN: f64 = 0.1;
 
 /// Largest hit rate at which a texture hides the model.
 pub const MOST_HIT: f64 = 0.25;
@@ -27,7 +26,7 @@ pub fn decide(comparison: &mut Comparison) {
 }
 
 /// Decides as [`decide`] for the detectors that are tested: the others are in no family and get no finding.
-pub(super) fn decide_among(comparison: &mut Comparison, is_tested: impl Fn(&str) -> bool) {
+pub(crate) fn decide_among(comparison: &mut Comparison, is_tested: impl Fn(&str) -> bool) {
     let textures = comparison.results.chunk_by_mut(|a, b| a.variant == b.variant);
     let families = textures.map(|family| family.iter_mut().filter(|r| is_tested(&r.detector)).collect());
     let families = families.filter(|family: &Vec<_>| !family.is_empty()).collect();
@@ -220,7 +219,7 @@ fn by_cluster<K: Ord>(
 }
 
 /// Returns the number of further clusters from which the smallest possible p is within the level.
-pub(super) fn missing(clusters: usize, level: f64) -> usize {
+pub(crate) fn missing(clusters: usize, level: f64) -> usize {
     (0..)
         .take_while(|more| smallest_sign_flip_p(clusters + more) > level)
         .count()

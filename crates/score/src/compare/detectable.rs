@@ -2,6 +2,7 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+
 use scaleproof_core::statistics::{EXACT_CLUSTERS, SEED, sign_flip_critical, sign_flip_p, sign_flip_statistic};
 
 /// Number of simulated experiments behind each drop that is tried.
@@ -14,7 +15,7 @@ const POWER: f64 = 0.8;
 ///
 /// `differences[k][c]` are those of detector `k`, summed over the `pairs[c]` pairs of a view. In an experiment each view's deviations from the means keep or
 /// change their sign, for all detectors together; the others keep their mean difference, and `own` gets the drop that is tried.
-pub(super) fn drop_shown_from(differences: &[Vec<f64>], pairs: &[f64], own: usize, level: f64) -> Option<f64> {
+pub(crate) fn drop_shown_from(differences: &[Vec<f64>], pairs: &[f64], own: usize, level: f64) -> Option<f64> {
     let spread = Spread::of(differences, pairs, own);
     // With many views the critical value hardly depends on the experiment.
     let critical = (pairs.len() > EXACT_CLUSTERS).then(|| sign_flip_critical(differences, level));

@@ -1,9 +1,9 @@
 //! Change of a drop of AP when it is measured in another way on the same photos.
 
-use super::paired_ap;
-use super::pairs::{clustered_by, clusters, pair};
-use crate::Scores;
-use crate::side::{ClusteredAp, Side};
+use crate::compare::differences::paired_ap;
+use crate::compare::pair;
+use crate::compare::pairs::{clustered_by, clusters};
+use crate::figures::{ClusteredAp, Scores, Side};
 use scaleproof_core::ap::ApDefinition;
 use scaleproof_core::statistics::{Interval, interval_95};
 

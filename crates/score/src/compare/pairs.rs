@@ -2,30 +2,30 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::result::ClusteredBy;
-use crate::{NotScored, ScoredPhoto, ScoredSet};
+use crate::compare::error::CompareError;
+use crate::figures::{ClusteredBy, NotScored, ScoredPhoto, ScoredSet};
 use scaleproof_core::statistics::FEWEST_CLUSTERS;
 use scaleproof_pose::scene::Bin;
 
 /// Photos of the base and of the other variant.
-pub(super) type Pair<'a> = (&'a ScoredPhoto, &'a ScoredPhoto);
+pub(crate) type Pair<'a> = (&'a ScoredPhoto, &'a ScoredPhoto);
 
 /// The pairs of one place and bin.
-pub(super) struct Cell<'a> {
+pub(crate) struct Cell<'a> {
     pub bin: Bin,
     pub place: &'a str,
     pub pairs: Vec<Pair<'a>>,
 }
 
 /// Pairs that are not independent of each other.
-pub(super) struct Cluster<'a> {
+pub(crate) struct Cluster<'a> {
     pub pairs: Vec<Pair<'a>>,
 }
 
 /// Pairs the photos of two variants by place and bin, in the order of the sessions; photos left over are returned too.
 ///
 /// A photo without a place is in the one unnamed place, so that two sessions pair when neither names any.
-pub(super) fn pair<'a>(set: ScoredSet<'a>, base: &str, variant: &str) -> (Vec<Cell<'a>>, Vec<NotScored>) {
+pub(crate) fn pair<'a>(set: ScoredSet<'a>, base: &str, variant: &str) -> (Vec<Cell<'a>>, Vec<NotScored>) {
     let mut sides: BTreeMap<_, [Vec<&ScoredPhoto>; 2]> = BTreeMap::new();
     let mut unpaired = Vec::new();
     for photo in set.photos {
@@ -61,7 +61,7 @@ pub(super) fn pair<'a>(set: ScoredSet<'a>, base: &str, variant: &str) -> (Vec<Ce
 }
 
 /// Returns the clustering: by place where there are enough places, since the photos of one place share its light and background in every direction.
-pub(super) fn clustered_by(cells: &[Cell]) -> ClusteredBy {
+pub(crate) fn clustered_by(cells: &[Cell]) -> ClusteredBy {
     let places: BTreeSet<&str> = cells.iter().map(|cell| cell.place).collect();
     if places.len() >= FEWEST_CLUSTERS {
         ClusteredBy::Place
@@ -71,7 +71,7 @@ pub(super) fn clustered_by(cells: &[Cell]) -> ClusteredBy {
 }
 
 /// Returns the clusters of some cells, in their order.
-pub(super) fn clusters<'a>(cells: &[&Cell<'a>], by: ClusteredBy) -> Vec<Cluster<'a>> {
+pub(crate) fn clusters<'a>(cells: &[&Cell<'a>], by: ClusteredBy) -> Vec<Cluster<'a>> {
     let mut clusters: Vec<(&str, Cluster)> = Vec::new();
     for cell in cells {
         let same = |(place, _): &&mut (&str, Cluster)| by == ClusteredBy::Place && *place == cell.place;
@@ -101,4 +101,23 @@ fn left_over(set: ScoredSet, photo: &ScoredPhoto, reason: String) -> NotScored {
         reason,
         near_copy_of: None,
     }
+}
+
+/// Returns the pairs of two variants, of which there must be one, and the photos left over.
+pub(crate) fn some_pairs<'a>(
+    set: ScoredSet<'a>,
+    base: &str,
+    variant: &str,
+) -> Result<(Vec<Cell<'a>>, Vec<NotScored>), CompareError> {
+    let (cells, left_over) = pair(set, base, variant);
+    if cells.is_empty() {
+        let (base, variant) = (base.to_owned(), variant.to_owned());
+        return Err(CompareError::NoPair { base, variant });
+    }
+    Ok((cells, left_over))
+}
+
+/// Returns true if photos of two variants pair.
+pub(crate) fn pairs(set: ScoredSet, base: &str, other: &str) -> bool {
+    !pair(set, base, other).0.is_empty()
 }

@@ -2,12 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use super::decide::{LEVEL, MOST_HIT};
-use super::finding::Effect;
-use super::pairs::{Cell, Pair, pair};
-use super::result::{ClusteredBy, Compared, Comparison, Course, Decision, Sequential, SequentialFinding};
-use super::{CompareError, Scores, Side, others, some_pairs, variants};
-use crate::ScoredPhoto;
+use crate::compare::error::CompareError;
+use crate::compare::pairs::{Pair, some_pairs};
+use crate::compare::textures::others;
+use crate::compare::{Cell, LEVEL, MOST_HIT, pair};
+use crate::figures::{
+    ClusteredBy, Compared, Comparison, Course, Decision, Effect, ScoredPhoto, Scores, Sequential, SequentialFinding,
+    Side, variants,
+};
 use scaleproof_core::geometry::angle::turn;
 use scaleproof_core::statistics::{Sequence, holm};
 use scaleproof_pose::scene::Bin;

@@ -6,7 +6,7 @@ use std::path::{Component, Path};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use super::{LabelledPhoto, LabelledPhotos, Object};
+use crate::labelled::photos::{LabelledPhoto, LabelledPhotos, Object};
 use scaleproof_core::coco::{self, File, Whole};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::BoxPx;

@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
-use super::feeding::feedings;
-use super::{Averages, Found, LabelledError, LabelledPhotos};
+use crate::labelled::error::LabelledError;
+use crate::labelled::feeding::feedings;
+use crate::labelled::photos::{Averages, Found, LabelledPhotos};
 use scaleproof_detect::Manifest;
 
 /// Least gain of a change that explains a difference, beyond the chance of the photos too.

@@ -1,6 +1,7 @@
 //! An evaluation of patterns: the paper's tables (DTA, tables 1 and 2) and the paired differences behind them.
 
-use crate::{Compared, Comparison, EvaluatedDetector, Figures, Scores};
+use crate::evaluated::EvaluatedDetector;
+use crate::figures::{Compared, Comparison, Figures, Scores};
 
 pub struct Evaluation<'a> {
     pub scores: &'a Scores,
@@ -27,13 +28,13 @@ impl<'a> Evaluation<'a> {
         all.filter(|c| keep(&c.manifest.name)).collect()
     }
 
-    pub(super) fn figures(&self, pattern: &str, detector: &EvaluatedDetector) -> Option<&'a Figures> {
+    pub(crate) fn figures(&self, pattern: &str, detector: &EvaluatedDetector) -> Option<&'a Figures> {
         let own = self.scores.summary(&detector.manifest.name, pattern);
         own.map(|s| &s.overall)
     }
 
     /// Returns `pattern` compared with `base` on pairs; `base` is listed before `pattern`.
-    pub(super) fn compared(&self, base: &str, pattern: &str, detector: &EvaluatedDetector) -> Option<&Compared> {
+    pub(crate) fn compared(&self, base: &str, pattern: &str, detector: &EvaluatedDetector) -> Option<&Compared> {
         let comparison = self.comparisons.iter().find(|c| c.base == base)?;
         let of = |r: &&Compared| r.variant == pattern && r.detector == detector.manifest.name;
         comparison.results.iter().find(of)
@@ -41,5 +42,5 @@ impl<'a> Evaluation<'a> {
 }
 
 /// Scope of the intervals.
-pub(super) const SCOPE: &str = "95 % intervals: bootstrap over viewpoint and light, the photos paired by both; they hold for this model, these lights \
+pub(crate) const SCOPE: &str = "95 % intervals: bootstrap over viewpoint and light, the photos paired by both; they hold for this model, these lights \
                                 and renders, not for others";

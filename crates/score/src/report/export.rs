@@ -3,21 +3,22 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use super::{coco, counted};
-use crate::{ScoredPhoto, Scores};
+use crate::figures::{ScoredPhoto, Scores};
+use crate::report::json::coco;
+use crate::report::words::counted;
 use scaleproof_core::files::{self, FileError};
+use scaleproof_core::message::{Message, bail};
 use scaleproof_detect::{Labels, flat_name};
 
+/// Reason why photos could not be exported.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
     #[error(transparent)]
     File(#[from] FileError),
     #[error("the annotations could not be put together: {0}")]
     Json(#[from] serde_json::Error),
-    #[error("{folder} has files already: name a new folder", folder = folder.display())]
-    NotEmpty { folder: PathBuf },
-    #[error("{a} and {b} would have one name: rename one of the photos")]
-    AlikeNames { a: String, b: String },
+    #[error(transparent)]
+    Message(#[from] Message),
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,8 +32,7 @@ pub enum ExportFormat {
 /// Checks, before photos are searched, that a folder is new or empty and can be written.
 pub fn check_export(folder: &Path) -> Result<(), ExportError> {
     if std::fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some()) {
-        let folder = folder.to_owned();
-        return Err(ExportError::NotEmpty { folder });
+        bail!("{} has files already: name a new folder", folder.display());
     }
     Ok(files::check_writable(folder)?)
 }
@@ -84,8 +84,8 @@ fn names(photos: &[ScoredPhoto]) -> Result<BTreeMap<u64, String>, ExportError> {
     for photo in photos {
         let name = if is_plain { own(photo) } else { flat_name(&photo.file) };
         if let Some(other) = taken.insert(stem(&name), &photo.file) {
-            let (a, b) = (other.clone(), photo.file.clone());
-            return Err(ExportError::AlikeNames { a, b });
+            let file = &photo.file;
+            bail!("{other} and {file} would have one name: rename one of the photos");
         }
         names.insert(photo.id, name);
     }

@@ -4,13 +4,14 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
-use super::counted;
-use crate::{AppliedSettings, DetectionSource, EvaluatedDetector, Protocol, Scores, WornPattern};
+use crate::evaluated::{DetectionSource, EvaluatedDetector};
+use crate::figures::{AppliedSettings, Protocol, Scores, WornPattern};
+use crate::report::words::counted;
 use scaleproof_core::files;
 use scaleproof_detect::{Recorded, SCORE_FLOOR};
 
 #[derive(Serialize, schemars::JsonSchema)]
-pub(super) struct Provenance {
+pub(crate) struct Provenance {
     /// Version of the program.
     pub scaleproof: &'static str,
     /// Version and build of ONNX Runtime; `null` when no detector was run.
@@ -39,7 +40,7 @@ pub(super) struct Provenance {
 }
 
 #[derive(Serialize, schemars::JsonSchema)]
-pub(super) struct DetectorProvenance {
+pub(crate) struct DetectorProvenance {
     /// Name in the manifest, which also gives `title`, `origin` and `licence`.
     pub name: String,
     pub title: String,
@@ -62,7 +63,7 @@ pub(super) struct DetectorProvenance {
 }
 
 #[derive(Serialize, schemars::JsonSchema)]
-pub(super) struct SessionProvenance {
+pub(crate) struct SessionProvenance {
     /// Name of the session's folder.
     pub folder: String,
     /// Name of the model; its `scale` is 10 for 1:10.
@@ -82,7 +83,7 @@ pub(super) struct SessionProvenance {
     pub files: BTreeMap<String, String>,
 }
 
-pub(super) fn from_scores(scores: &Scores) -> Provenance {
+pub(crate) fn from_scores(scores: &Scores) -> Provenance {
     Provenance {
         scaleproof: env!("CARGO_PKG_VERSION"),
         onnx_runtime: scores.runtime.clone(),

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use super::defences::UNDEFENDED;
-use super::{Held, Seen, per_condition};
-use crate::compare::{Compared, compare_set, decide_families};
+use crate::compare::{compare_set, decide_families};
 use crate::error::ScoreError;
+use crate::figures::{Compared, Held, ScoredPhoto, ScoredSet, Scores, UNDEFENDED};
 use crate::observe::Options;
-use crate::{ScoredPhoto, ScoredSet, Scores};
+use crate::robustness::changed_photo::Seen;
+use crate::robustness::condition::per_condition;
 use scaleproof_plot::distinct;
 
 /// Variant of unchanged photos where they stand for a texture: no texture is called so.
@@ -15,7 +15,7 @@ const UNCHANGED: &str = "\u{1}";
 
 /// Compares the photos of each variant under each condition with themselves under the first, which has no comparisons itself. The conditions of a
 /// detector and variant are tested together.
-pub(super) fn changes(
+pub(crate) fn changes(
     scores: &Scores,
     photos: &[Seen],
     conditions: usize,

@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::corrupt::Corruption;
+use crate::error::ScoreError;
+use crate::observe::Options;
+use crate::robustness::corrupt::Corruption;
+use scaleproof_core::workers;
 use scaleproof_detect::ProgramDefence;
 use scaleproof_photo::defence::Defence;
 
@@ -24,7 +27,7 @@ impl Defending {
 }
 
 #[derive(Debug, Clone)]
-pub(super) enum Condition {
+pub(crate) enum Condition {
     /// Reduced, and not changed otherwise.
     Reduced,
     Worse(Corruption, u8),
@@ -33,11 +36,21 @@ pub(super) enum Condition {
 
 impl Condition {
     /// Returns the name for messages.
-    pub(super) fn name(&self) -> String {
+    pub(crate) fn name(&self) -> String {
         match self {
             Self::Reduced => "no more than reduced".to_owned(),
             Self::Worse(kind, severity) => format!("{} {severity}", kind.name()),
             Self::Defended(defence) => defence.name(),
         }
     }
+}
+
+/// Computes a value for each condition, by its number, in parallel.
+pub(crate) fn per_condition<T: Send>(
+    options: &Options,
+    count: usize,
+    of: impl Fn(usize) -> T + Sync,
+) -> Result<Vec<T>, ScoreError> {
+    let places: Vec<usize> = (0..count).collect();
+    workers::map_over(options.threads, &places, || Ok(()), |(), at| Ok(of(*at)), || {})
 }

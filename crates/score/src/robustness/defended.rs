@@ -1,14 +1,13 @@
 //! Comparisons of a run on defended photos, and of photos with a defence with the same photos without it.
 
-use super::changes::changes;
-use super::condition::{Condition, Defending};
-use super::defences::{DefenceCard, Defences, DefendedRow, UNDEFENDED};
-use super::{Again, Held};
-use crate::Scores;
 use crate::error::ScoreError;
+use crate::figures::{DefenceCard, Defences, DefendedRow, Held, Scores, UNDEFENDED};
 use crate::observe::Options;
+use crate::robustness::changes::changes;
+use crate::robustness::condition::{Condition, Defending};
+use crate::robustness::rerun::Again;
 
-/// Runs the detectors on every photo of a run again, under each of these defences, and compares the variants as [`super::under_corruption`] does.
+/// Runs the detectors on every photo of a run again, under each of these defences, and compares the variants as [`crate::robustness::corrupted::under_corruption`] does.
 /// `None` where no photos pair.
 pub fn under_defences(
     scores: &Scores,
@@ -34,7 +33,7 @@ pub fn under_defences(
         Defending::Published(_) => None,
     });
     Ok(Some(Defences {
-        defences: defences.iter().map(DefenceCard::of).collect(),
+        defences: defences.iter().map(card).collect(),
         cautions: again
             .left_out(scores, "defended")
             .into_iter()
@@ -43,4 +42,22 @@ pub fn under_defences(
         rows: named(again.held),
         changes: named(changed),
     }))
+}
+
+/// Describes a defence.
+fn card(defence: &Defending) -> DefenceCard {
+    let (does, source) = match defence {
+        Defending::Published(defence) => (defence.does().to_owned(), defence.source().to_owned()),
+        Defending::Program(program) => {
+            let card = program.card();
+            let files = card.files.iter().map(|(name, sha256)| format!("; {name} {sha256}"));
+            let version = card.version.clone().unwrap_or_default();
+            (
+                format!("the program {}", card.command.join(" ")),
+                files.fold(version, |all, file| all + &file),
+            )
+        }
+    };
+    let name = defence.name();
+    DefenceCard { name, does, source }
 }

@@ -44,7 +44,7 @@ impl Object {
 ///
 /// Guo et al. (2018) average the answers of a classifier to random crops. For boxes that is a mean over those of one object, as Solovyev et al.
 /// ("Weighted boxes fusion", 2021) average those of several detectors.
-pub(super) fn joined(mut found: Vec<Vec<Detection>>, windows: &[BoxPx]) -> Vec<Detection> {
+pub(crate) fn joined(mut found: Vec<Vec<Detection>>, windows: &[BoxPx]) -> Vec<Detection> {
     if found.len() == 1 {
         return found.pop().unwrap_or_default();
     }

@@ -1,4 +1,4 @@
-use scaleproof_score::cache::Cache;
+use scaleproof_score::Cache;
 
 #[test]
 fn an_entry_comes_back_bit_for_bit_and_a_damaged_one_does_not() {

@@ -1,6 +1,6 @@
 use proptest::prelude::*;
 use scaleproof_core::geometry::BoxPx;
-use scaleproof_score::corrupt::cut_off;
+use scaleproof_score::robustness::corrupt::cut_off;
 
 proptest! {
     /// Whatever the box, and however small the image: something of the image and of the model is left, and no more than was there.

@@ -1,4 +1,4 @@
-use scaleproof_score::grouping::whole_steps;
+use scaleproof_score::figures::grouping::whole_steps;
 
 #[test]
 fn a_number_at_the_border_of_a_group_is_the_first_of_the_next() {

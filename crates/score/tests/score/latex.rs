@@ -1,4 +1,4 @@
-use scaleproof_score::report::tex::escaped;
+use scaleproof_score::report::latex::markup::escaped;
 
 #[test]
 fn what_tex_takes_for_commands_is_escaped() {

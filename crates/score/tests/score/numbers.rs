@@ -1,5 +1,5 @@
-use scaleproof_score::report::number;
-use scaleproof_score::report::p_value;
+use scaleproof_score::report::words::numbers::number;
+use scaleproof_score::report::words::numbers::p_value;
 
 #[test]
 fn only_what_is_below_zero_has_a_minus() {

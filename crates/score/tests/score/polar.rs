@@ -1,4 +1,4 @@
-use scaleproof_score::report::html::polar::at;
+use scaleproof_score::report::charts::polar::at;
 
 #[test]
 fn the_left_side_is_on_the_left() {

@@ -1,4 +1,4 @@
-use scaleproof_score::preview::has_preview;
+use scaleproof_score::observe::preview::has_preview;
 
 #[test]
 fn a_thousand_photos_at_most_have_previews() {

@@ -1,4 +1,4 @@
-use scaleproof_score::protocol_table::significant;
+use scaleproof_score::figures::protocol_table::significant;
 
 /// The physical test of ACTIVE's paper: hits of 240 photos, and the values it prints.
 #[test]

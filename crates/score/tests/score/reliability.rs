@@ -1,5 +1,5 @@
 use scaleproof_score::Reliability;
-use scaleproof_score::reliability::deviation;
+use scaleproof_score::figures::reliability::deviation;
 
 #[test]
 fn four_detections_by_hand() {

@@ -1,5 +1,5 @@
 use scaleproof_plot::Colour;
-use scaleproof_score::report::shade::{ink, shade};
+use scaleproof_score::report::charts::shade::{ink, shade};
 
 /// WCAG 2.1, relative luminance.
 fn luminance(colour: Colour) -> f64 {

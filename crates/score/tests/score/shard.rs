@@ -1,6 +1,7 @@
-use scaleproof_score::shard::{Run, Shard, ShardError, ShardId, ShardIdError, ShardObservations, whole_run};
+use scaleproof_core::message::Message;
+use scaleproof_score::shard::{Run, Shard, ShardError, ShardId, ShardObservations, whole_run};
 
-fn parsed(text: &str, environment: &[(&str, &str)]) -> Result<ShardId, ShardIdError> {
+fn parsed(text: &str, environment: &[(&str, &str)]) -> Result<ShardId, Message> {
     let find = |name: &str| {
         environment
             .iter()
@@ -12,16 +13,16 @@ fn parsed(text: &str, environment: &[(&str, &str)]) -> Result<ShardId, ShardIdEr
 
 #[test]
 fn a_shard_is_named_by_the_user_or_by_the_job() {
-    let id = |index, count| Ok(ShardId { index, count });
-    assert_eq!(parsed("2/3", &[]), id(2, 3));
+    let id = |index, count| ShardId { index, count };
+    assert_eq!(parsed("2/3", &[]).unwrap(), id(2, 3));
     let slurm = [
         ("SLURM_ARRAY_TASK_ID", "7"),
         ("SLURM_ARRAY_TASK_MIN", "5"),
         ("SLURM_ARRAY_TASK_MAX", "8"),
         ("SLURM_ARRAY_TASK_COUNT", "4"),
     ];
-    assert_eq!(parsed("slurm", &slurm), id(3, 4));
-    assert_eq!(parsed("k8s/4", &[("JOB_COMPLETION_INDEX", "0")]), id(1, 4));
+    assert_eq!(parsed("slurm", &slurm).unwrap(), id(3, 4));
+    assert_eq!(parsed("k8s/4", &[("JOB_COMPLETION_INDEX", "0")]).unwrap(), id(1, 4));
     for text in ["0/3", "4/3", "3", "a/b", "-1/2", "1/0", "", "k8s", "k8s/0"] {
         assert!(parsed(text, &[("JOB_COMPLETION_INDEX", "0")]).is_err(), "{text}");
     }

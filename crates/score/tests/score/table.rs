@@ -1,7 +1,7 @@
 //! One table in all its forms: each says the same, and each as its readers need it.
 
 use scaleproof_core::statistics::Interval;
-use scaleproof_score::report::{Cell, CellValue, Column, Table};
+use scaleproof_score::report::table::{Cell, Column, Table, Value};
 
 /// Two detectors on two textures.
 fn table() -> Table {
@@ -19,14 +19,14 @@ fn table() -> Table {
             Cell::text("yolo_a"),
             Cell::text("random"),
             Cell::number(0.155, 2).with_interval(Some(interval)),
-            Cell::of(CellValue::ShareChange { from: 6, to: 4, of: 8 }),
+            Cell::of(Value::ShareChange { from: 6, to: 4, of: 8 }),
             Cell::change(0.584, 0.371, 2),
         ],
         vec![
             Cell::text("yolo_a"),
             Cell::text("ours, [2]"),
             Cell::number(0.5, 2).strong(true),
-            Cell::of(CellValue::ShareChange { from: 6, to: 0, of: 8 }),
+            Cell::of(Value::ShareChange { from: 6, to: 0, of: 8 }),
             Cell::change(0.584, 0.1, 2),
         ],
     ]);

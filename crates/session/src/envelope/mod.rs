@@ -8,48 +8,25 @@
 //! Nothing hides the model: ground and tags are not subtracted, as in a simulator's box of the whole outline.
 
 pub mod cone;
+mod error;
 mod visible;
 
-use std::path::{Path, PathBuf};
+pub use error::{EnvelopeError, NoTruth};
+
+use std::path::Path;
 
 use nalgebra::Point3;
 
 use scaleproof_core::files;
 use scaleproof_core::geometry::{BoxPx, Rigid, convex_hull};
+use scaleproof_core::message::bail;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Envelope, ScaleModel};
-use scaleproof_surface::mesh::{Mesh, MeshError, MeshPlacement, is_gltf, propose_axes};
+use scaleproof_surface::mesh::{Mesh, MeshPlacement, is_gltf, propose_axes};
 use visible::Pieces;
 
 /// Maximum difference between the mesh's box and the scene's, as a share of each side, as for printed panels.
 const TOLERANCE: f64 = 0.03;
-
-#[derive(Debug, thiserror::Error)]
-pub enum EnvelopeError {
-    #[error(transparent)]
-    Mesh(#[from] MeshError),
-    #[error(
-        "{path} reaches {reach}: correct size_mm, say where its front and its top are by mesh_front and mesh_up, or export the mesh in mm in the \
-         model frame (x to the front, y to the left, z up, origin on the ground under the model's centre)",
-        path = path.display()
-    )]
-    NotTheModel {
-        path: PathBuf,
-        /// Extent of the mesh along an axis, and that of the scene's model.
-        reach: String,
-    },
-}
-
-/// Reason why a photo with a pose has no ground truth box.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum NoTruth {
-    #[error("the camera is inside the model's box: step back")]
-    InsideModel,
-    #[error("part of the model is behind the camera or beyond the camera model: step back")]
-    BeyondCamera,
-    #[error("the model is not in the photo")]
-    OutOfPhoto,
-}
 
 /// Shape to project, in the model frame, mm. Made once, used for every photo.
 #[derive(Debug, Clone, PartialEq)]
@@ -190,14 +167,14 @@ pub fn load(path: &Path, model: &ScaleModel) -> Result<Mesh, EnvelopeError> {
     for (i, (axis, from, to)) in sides.into_iter().enumerate() {
         let slack = TOLERANCE * (to - from);
         if (low[i] - from).abs() > slack || (high[i] - to).abs() > slack {
-            let reach = format!(
-                "from {:.1} to {:.1} mm along the model's {axis}, but the scene's model from {from:.1} to {to:.1} mm",
-                low[i], high[i]
+            bail!(
+                "{} reaches from {:.1} to {:.1} mm along the model's {axis}, but the scene's model from {from:.1} to {to:.1} mm: correct size_mm, say where its \
+                 front and its top are by mesh_front and mesh_up, or export the mesh in mm in the model frame (x to the front, y to the left, z up, origin on \
+                 the ground under the model's centre)",
+                path.display(),
+                low[i],
+                high[i]
             );
-            return Err(EnvelopeError::NotTheModel {
-                path: path.to_owned(),
-                reach,
-            });
         }
     }
     Ok(mesh)

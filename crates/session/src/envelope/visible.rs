@@ -7,8 +7,8 @@ use std::borrow::Cow;
 
 use nalgebra::{Point3, Vector3};
 
-use super::NoTruth;
 use super::cone::part_inside;
+use super::error::NoTruth;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_pose::camera::Camera;
 

@@ -5,9 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Deserialize;
 use serde_json::Value;
 
-use super::{ImportFault, ImportedPhoto, ImportedRows, viewpoint};
+use super::rows::{ImportFault, ImportedPhoto, ImportedRows, viewpoint};
 use crate::conditions::{is_name, scalar};
-use crate::{PhotoEntry, words};
+use crate::list::{PhotoEntry, words};
 use scaleproof_core::coco::{self, Annotation, Category, File};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_pose::scene::Classes;

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use csv::{Position, ReaderBuilder, StringRecord};
 
-use super::{ImportFault, ImportedPhoto, ImportedRows, viewpoint};
-use crate::PhotoEntry;
+use super::rows::{ImportFault, ImportedPhoto, ImportedRows, viewpoint};
 use crate::conditions::is_name;
+use crate::list::PhotoEntry;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::spelling;
 use scaleproof_pose::scene::Classes;

@@ -6,39 +6,21 @@
 
 pub mod coco;
 pub mod csv;
+mod rows;
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use super::{PhotoEntry, Session, SessionError, SessionFile, check_photo};
+use crate::error::SessionError;
+use crate::list::{PhotoEntry, SessionFile, check_photo};
+use crate::opened::Session;
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::message::{bail, message};
 use scaleproof_photo as photo;
-use scaleproof_photo::PhotoError;
-use scaleproof_pose::scene::{Scene, Viewpoint};
+use scaleproof_pose::scene::Scene;
 
-#[derive(Debug, thiserror::Error)]
-pub enum SessionImportError {
-    #[error(transparent)]
-    File(#[from] FileError),
-    #[error(transparent)]
-    Session(#[from] SessionError),
-    #[error(transparent)]
-    Photo(#[from] PhotoError),
-    #[error("{path} is neither a COCO annotation file (.json) nor a table (.csv)", path = path.display())]
-    UnknownFormat { path: PathBuf },
-    #[error("{path}, {place}: {message}", path = path.display())]
-    Entry {
-        path: PathBuf,
-        /// Place in the file: `line 3`, or `image 17`.
-        place: String,
-        message: String,
-    },
-    #[error("{path}, {place}: {file} has no variant: add one", path = path.display())]
-    NoVariant { path: PathBuf, place: String, file: String },
-    #[error("{path} is there already: move it away, or import into another folder", path = path.display())]
-    SessionThere { path: PathBuf },
-}
+pub use rows::{ImportFault, ImportedPhoto, ImportedRows};
 
 /// Sources and destination of an import.
 #[derive(Debug, Clone, Copy)]
@@ -64,55 +46,19 @@ pub struct Imported {
     pub without_box: Vec<String>,
 }
 
-/// Photos of an annotation file, in its order, and the names of those without a box of the class.
-pub type ImportedRows = (Vec<ImportedPhoto>, Vec<String>);
-
-#[derive(Debug, Clone, PartialEq)]
-pub struct ImportedPhoto {
-    /// Place in the file: `line 3`, or `image 17`.
-    pub place: String,
-    /// Entry of the photo; its variant is empty if the file names none.
-    pub entry: PhotoEntry,
-    /// Width and height in px, if the file states them.
-    pub size: Option<[u32; 2]>,
-}
-
-/// Fault, with its place in the file.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ImportFault {
-    /// Place in the file; `None` if the fault concerns the whole file.
-    pub place: Option<String>,
-    pub message: String,
-}
-
-impl ImportFault {
-    fn of_file(message: impl Into<String>) -> Self {
-        Self {
-            place: None,
-            message: message.into(),
-        }
-    }
-
-    fn at(place: impl Into<String>, message: impl Into<String>) -> Self {
-        Self {
-            place: Some(place.into()),
-            message: message.into(),
-        }
-    }
-}
-
 /// Makes a session of an annotation file. Nothing is written yet.
-pub fn import(request: &ImportRequest) -> Result<Imported, SessionImportError> {
+pub fn import(request: &ImportRequest) -> Result<Imported, SessionError> {
     let path = request.folder.join("session.json");
     if path.exists() {
-        return Err(SessionImportError::SessionThere { path });
+        let path = path.display();
+        bail!("{path} is there already: move it away, or import into another folder");
     }
     let parse = match request.file.extension().and_then(|e| e.to_str()) {
         Some("json") => coco::parse,
         Some("csv") => csv::parse,
         _ => {
-            let path = request.file.to_owned();
-            return Err(SessionImportError::UnknownFormat { path });
+            let path = request.file.display();
+            bail!("{path} is neither a COCO annotation file (.json) nor a table (.csv)");
         }
     };
     let class = Scene::open(request.scene)?.model.class;
@@ -145,25 +91,23 @@ pub fn import(request: &ImportRequest) -> Result<Imported, SessionImportError> {
     })
 }
 
-fn error(path: &Path, fault: ImportFault) -> SessionImportError {
-    let (message, path) = (fault.message, path.to_owned());
+fn error(path: &Path, fault: ImportFault) -> SessionError {
     match fault.place {
-        Some(place) => SessionImportError::Entry { path, place, message },
-        None => FileError::content(&path, message).into(),
+        Some(place) => message!("{}, {place}: {}", path.display(), fault.message).into(),
+        None => FileError::content(path, fault.message).into(),
     }
 }
 
 /// Checks each row's photo against its file.
-fn checked(rows: Vec<ImportedPhoto>, request: &ImportRequest) -> Result<Vec<PhotoEntry>, SessionImportError> {
+fn checked(rows: Vec<ImportedPhoto>, request: &ImportRequest) -> Result<Vec<PhotoEntry>, SessionError> {
     let mut seen = HashSet::new();
     let mut photos = Vec::new();
     for ImportedPhoto { place, mut entry, size } in rows {
         let refuse = |message: String| error(request.file, ImportFault::at(place.as_str(), message));
         if entry.variant.is_empty() {
-            let missing = || SessionImportError::NoVariant {
-                path: request.file.to_owned(),
-                place: place.clone(),
-                file: entry.file.clone(),
+            let missing = || {
+                let (path, file) = (request.file.display(), &entry.file);
+                message!("{path}, {place}: {file} has no variant: add one").hint("give ‹variant› for all")
             };
             entry.variant = request.variant.ok_or_else(missing)?.to_owned();
         }
@@ -215,22 +159,4 @@ fn reaches_out(b: BoxPx, width: u32, height: u32) -> bool {
 fn seen_from(folder: &Path, path: &Path) -> Result<PathBuf, FileError> {
     let (folder, path) = (files::whole_path(folder)?, files::whole_path(path)?);
     Ok(path.strip_prefix(&folder).map(Path::to_owned).unwrap_or(path))
-}
-
-/// Converts the three numbers of a viewpoint: all or none.
-fn viewpoint(numbers: [Option<f64>; 3]) -> Result<Option<Viewpoint>, String> {
-    match numbers {
-        [None, None, None] => Ok(None),
-        [Some(azimuth_deg), Some(pitch_deg), Some(distance_mm)] => Ok(Some(Viewpoint {
-            // Some programs count from −180° to 180°.
-            azimuth_deg: if (-180.0..0.0).contains(&azimuth_deg) || azimuth_deg == 360.0 {
-                azimuth_deg.rem_euclid(360.0)
-            } else {
-                azimuth_deg
-            },
-            pitch_deg,
-            distance_mm,
-        })),
-        _ => Err("azimuth_deg, pitch_deg and distance_mm go together: give all or none".into()),
-    }
 }

@@ -2,42 +2,34 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use super::{Section, first, interval_chart, notes, pairs, sequential, shell};
-use crate::report::paper::Judged;
-use crate::report::{certainty, number, paired, tables};
-use crate::{Compared, Comparison, Difference, PlanCheck, Scores, comparison_definitions};
-use scaleproof_plot::Anchor::{End, Middle, Start};
-use scaleproof_plot::{BLACK, Drawing, FAINT, INK, Mark, NOTE, WHITE};
-
-const PLOT: f64 = 300.0;
-const LEFT: f64 = 200.0;
-const ROW: f64 = 31.0;
-const WIDTH: f64 = 1060.0;
+use crate::compare::comparison_definitions;
+use crate::figures::{Compared, Comparison, PlanCheck, Scores};
+use crate::report::charts::drops::{FIGURES, forest};
+use crate::report::findings::Findings;
+use crate::report::html::page::{SCRIPT, Section, lead, shell};
+use crate::report::html::{first, looks, notes, pairs};
+use crate::report::tables;
+use crate::report::words::paired;
 
 pub fn render(scores: &Scores, comparison: &Comparison) -> String {
-    let (results, base) = (comparison.results.as_slice(), comparison.base.as_str());
+    let findings = Findings::of_comparison(scores, comparison);
     let chance = notes::bootstrap(comparison);
     let photos = pairs::photos(scores, comparison);
-    let script = html! { @if !photos.is_empty() { script { (PreEscaped(super::SCRIPT)) } } };
-    let tail = html! { (first::library(scores, results, base, photos)) (script) };
-    let first =
-        html! { @if let Some(check) = &comparison.plan { (plan(check)) } (first::screen(scores, results, base)) };
+    let script = html! { @if !photos.is_empty() { script { (PreEscaped(SCRIPT)) } } };
+    let tail = html! { (first::library(findings, photos)) (script) };
+    let first = html! { @if let Some(check) = &comparison.plan { (plan(check)) } (first::screen(findings, &tables::effects(findings))) };
     let open = [
-        (
-            "looks",
-            "However often one looks",
-            sequential::section(scores, comparison),
-        ),
+        ("looks", "However often one looks", looks::section(scores, comparison)),
         ("pairs", "Photos side by side", pairs::section(scores, comparison)),
     ];
-    let method = notes::method(scores, results, base, Judged::of(comparison));
+    let method = notes::method(findings);
     let folded = [
         ("method", "How this was decided, and what to write", method),
         ("drops", "Drops of the hit rate and of AP", drops(scores, comparison)),
         (
             "azimuth",
             "Drop of the hit rate by azimuth",
-            tables::by_azimuth(scores, results).markup(),
+            tables::by_azimuth(findings).markup(),
         ),
         ("left-out", "Photos in no difference", left_out(scores, comparison)),
         ("definitions", "Definitions", definitions()),
@@ -51,7 +43,7 @@ pub fn render(scores: &Scores, comparison: &Comparison) -> String {
         .map(|(id, title, content)| Section::folded(id, title, content));
     shell(
         scores,
-        &super::lead(scores),
+        &lead(scores),
         &first,
         &open.chain(folded).collect::<Vec<_>>(),
         tail,
@@ -66,30 +58,7 @@ fn plan(plan: &PlanCheck) -> Markup {
     }
 }
 
-/// One figure of a comparison: its name, the title of its chart, its difference, and whether it is shown to change.
-struct Figure {
-    name: &'static str,
-    title: &'static str,
-    of: fn(&Compared) -> &Difference,
-    is_shown: fn(&Compared) -> bool,
-}
-
-const FIGURES: [Figure; 2] = [
-    Figure {
-        name: "hit rate",
-        title: "Drop of the hit rate",
-        of: |r| &r.hit_rate.rate,
-        is_shown: paired::is_hit_rate_shown,
-    },
-    Figure {
-        name: "AP@0.5",
-        title: "Drop of AP@0.5",
-        of: |r| &r.ap50,
-        is_shown: |_| false,
-    },
-];
-
-fn drops(scores: &Scores, comparison: &Comparison) -> Markup {
+pub(crate) fn drops(scores: &Scores, comparison: &Comparison) -> Markup {
     html! {
         @for figure in FIGURES {
             h3 { (figure.title) }
@@ -105,66 +74,6 @@ fn drops(scores: &Scores, comparison: &Comparison) -> Markup {
             "Numbers: base → texture, drop [interval], attack success rate [interval]."
         }
     }
-}
-
-pub(in crate::report) fn charts(scores: &Scores, comparison: &Comparison) -> Vec<(&'static str, Drawing)> {
-    let first = (
-        "Drop of the mean confidence",
-        interval_chart::chart(scores, &comparison.results, &comparison.base),
-    );
-    let others = FIGURES
-        .iter()
-        .map(|figure| (figure.title, forest(scores, comparison, figure)));
-    std::iter::once(first).chain(others).collect()
-}
-
-/// Draws a row for each detector and texture: the drop on an axis from −1 to 1, and in numbers.
-fn forest(scores: &Scores, comparison: &Comparison, figure: &Figure) -> Drawing {
-    let Figure {
-        name,
-        title,
-        of,
-        is_shown,
-    } = figure;
-    let height = ROW * comparison.results.len() as f64;
-    let x = |drop: f64| LEFT + (drop.clamp(-1.0, 1.0) + 1.0) / 2.0 * PLOT;
-    let mut marks = Vec::new();
-    for tick in [-1.0, -0.5, 0.0, 0.5, 1.0] {
-        let colour = if tick == 0.0 { INK } else { FAINT };
-        let (x, name) = (x(tick), number(tick, 1));
-        marks.push(Mark::line([x, 0.0], [x, height], colour));
-        marks.push(Mark::text([x, height + 15.0], 11.0, Middle, NOTE, name));
-    }
-    for (i, r) in comparison.results.iter().enumerate() {
-        let (d, y) = (of(r), ROW * (i as f64 + 0.5));
-        let name_of_row = format!("{}, {}", scores.title(&r.detector), r.variant);
-        let title = format!("{name_of_row}: drop, {name}, {}", number(d.drop, 3));
-        let ends = d.interval_95.map(|i| [x(i.low), x(i.high)]);
-        let line = ends.map(|[low, high]| Mark::line([low, y], [high, y], INK).outlined(INK, 1.6));
-        let dot = Mark::circle([x(d.drop), y], 4.2).filled(if is_shown(r) { INK } else { WHITE });
-        let both = line.into_iter().chain([dot.outlined(INK, 1.4)]).collect();
-        marks.push(Mark::text([LEFT - 10.0, y + 4.0], 12.0, End, BLACK, name_of_row));
-        marks.push(Mark::group([0.0; 2], both).titled(title));
-        let right = LEFT + PLOT + 16.0;
-        marks.push(Mark::text([right, y], 11.5, Start, BLACK, numbers(d)));
-        if d.asr.is_some() && d.asr_interval_95.is_none() {
-            let why = format!("ASR: {}", certainty::without_interval(r, d));
-            marks.push(Mark::text([right, y + 12.0], 9.5, Start, NOTE, why));
-        }
-    }
-    Drawing {
-        area: [0.0, -4.0, WIDTH, height + 26.0],
-        label: (*title).to_owned(),
-        marks,
-    }
-}
-
-fn numbers(d: &Difference) -> String {
-    let two = |v: f64| number(v, 2);
-    let interval = paired::interval(d, two).map_or(String::new(), |i| format!(" {i}"));
-    let asr = paired::asr(d, two);
-    let [base, other, drop] = [d.base, d.other, d.drop].map(|v| number(v, 2));
-    format!("{base} → {other}, {drop}{interval}, ASR {asr}")
 }
 
 fn left_out(scores: &Scores, comparison: &Comparison) -> Markup {

@@ -4,9 +4,12 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{Markup, PreEscaped, html};
 
-use super::{filters, side};
-use crate::report::{number, other_label};
-use crate::{EvaluatedDetector, ScoredPhoto, Scores};
+use crate::evaluated::EvaluatedDetector;
+use crate::figures::{ScoredPhoto, Scores};
+use crate::report::html::filters;
+use crate::report::words::counted::other_label;
+use crate::report::words::direction::side;
+use crate::report::words::numbers::number;
 use scaleproof_detect::Detection;
 
 /// Largest number of photos that are shown: with more the page would be too large to open.
@@ -20,7 +23,7 @@ fn previewed(scores: &Scores) -> impl Iterator<Item = &ScoredPhoto> {
 }
 
 /// Returns the photos that are shown, those that the most detectors missed first, of these the least confident first; at most [`MOST_PHOTOS`].
-pub(super) fn shown(scores: &Scores) -> Vec<&ScoredPhoto> {
+pub(crate) fn shown(scores: &Scores) -> Vec<&ScoredPhoto> {
     let mut photos: Vec<&ScoredPhoto> = previewed(scores).collect();
     let hits = |p: &ScoredPhoto| p.outcomes.iter().filter(|o| o.is_hit()).count();
     let confidence = |p: &ScoredPhoto| p.outcomes.iter().map(|o| o.confidence).sum::<f64>();
@@ -30,7 +33,7 @@ pub(super) fn shown(scores: &Scores) -> Vec<&ScoredPhoto> {
 }
 
 /// Renders each photo and its tags once, hidden; the sheet refers to them, so that ten detectors do not embed them ten times.
-pub(super) fn photo_library(photos: &[&ScoredPhoto]) -> Markup {
+pub(crate) fn photo_library(photos: &[&ScoredPhoto]) -> Markup {
     html! {
         svg.library aria-hidden="true" {
             defs {
@@ -52,7 +55,7 @@ pub(super) fn photo_library(photos: &[&ScoredPhoto]) -> Markup {
 }
 
 /// Renders the legend, the filters, and a card for each detector and photo, the worst first.
-pub(super) fn sheet(scores: &Scores) -> Markup {
+pub(crate) fn sheet(scores: &Scores) -> Markup {
     let photos = shown(scores);
     let (kept, all) = (previewed(scores).count(), scores.photos.len());
     let mut cards: Vec<(usize, &ScoredPhoto)> = (0..scores.detectors.len())
@@ -141,12 +144,12 @@ fn direction(p: &ScoredPhoto) -> String {
 }
 
 /// Draws the whole photo.
-pub(super) fn photo_view(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
+pub(crate) fn photo_view(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
     view(scores, p, index, [0.0, 0.0, f64::from(p.width), f64::from(p.height)])
 }
 
 /// Draws the part of the photo around the model, 4 : 3.
-pub(super) fn model_view(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
+pub(crate) fn model_view(scores: &Scores, p: &ScoredPhoto, index: usize) -> Markup {
     let (width, height) = (f64::from(p.width), f64::from(p.height));
     let (b, most) = (&p.truth, width.min(height * RATIO));
     let wide = (AROUND * b.width().max(b.height() * RATIO)).min(most);

@@ -2,19 +2,23 @@
 
 use maud::html;
 
-use super::{ACROSS, Section, first, lead, notes, patterns, shell};
-use crate::BASE_VARIANT;
 use crate::report::evaluation::Evaluation;
-use crate::report::paper::Judged;
-use crate::report::tables;
+use crate::report::findings::Findings;
+use crate::report::html::page::{Section, lead, shell};
+use crate::report::html::{first, notes, patterns};
+use crate::report::tables::{self, ACROSS};
 use scaleproof_core::spelling;
 
-pub(in crate::report) fn render(evaluation: &Evaluation) -> String {
+pub(crate) fn render(evaluation: &Evaluation) -> String {
     let scores = evaluation.scores;
-    let against_base = evaluation.comparisons.iter().find(|c| c.base == BASE_VARIANT);
-    let results = against_base.map_or(&[][..], |comparison| &comparison.results);
+    let findings = Findings::of_evaluation(evaluation);
+    let main = if findings.results.is_empty() {
+        tables::figures_of_screen(scores)
+    } else {
+        tables::effects(findings)
+    };
     let chance = evaluation.comparisons.first().map_or(String::new(), notes::bootstrap);
-    let method = notes::method(scores, results, BASE_VARIANT, Judged::default());
+    let method = notes::method(findings);
     let tables = tables::by_pattern(evaluation, ACROSS).into_iter();
     let tables = html! { @for table in tables { h3 { (table.caption) } (table.markup()) } };
     let mut sections = vec![Section::open("tables", "Tables of DTA's paper", tables)];
@@ -34,12 +38,6 @@ pub(in crate::report) fn render(evaluation: &Evaluation) -> String {
         lead(scores),
         spelling::count(evaluation.patterns.len().saturating_sub(1), "pattern")
     );
-    let library = first::library(scores, results, BASE_VARIANT, Vec::new());
-    shell(
-        scores,
-        &lead,
-        &first::screen(scores, results, BASE_VARIANT),
-        &sections,
-        library,
-    )
+    let library = first::library(findings, Vec::new());
+    shell(scores, &lead, &first::screen(findings, &main), &sections, library)
 }

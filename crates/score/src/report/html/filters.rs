@@ -4,15 +4,15 @@ use std::collections::BTreeSet;
 
 use maud::{Markup, html};
 
-use super::side;
-use crate::{PhotoOutcome, ScoredPhoto, Scores, Verdict};
+use crate::figures::{PhotoOutcome, ScoredPhoto, Scores, Verdict};
+use crate::report::words::direction::side;
 use scaleproof_pose::scene::Bin;
 
 /// A filter: its key on the cards, its name, and (value, name) of each option.
 type Choice = (&'static str, &'static str, Vec<(String, String)>);
 
 /// Renders the filters, with the names of the outcomes and of the initial order of the cards. A filter with less than two options is left out.
-pub(super) fn bar(scores: &Scores, photos: &[&ScoredPhoto], outcomes: &[(&str, &str)], order: &str) -> Markup {
+pub(crate) fn bar(scores: &Scores, photos: &[&ScoredPhoto], outcomes: &[(&str, &str)], order: &str) -> Markup {
     let detectors = scores.detectors.iter().map(|c| &c.manifest);
     let textures = scores.variants().into_iter().map(|v| (v.to_owned(), v.to_owned()));
     let outcomes = outcomes
@@ -57,7 +57,7 @@ fn values(bins: &BTreeSet<Bin>, of: fn(&Bin) -> f64, name: fn(f64) -> String) ->
 }
 
 /// Outcomes of a photo: key on the cards, and name.
-pub(super) const OUTCOMES: [(&str, &str); 4] = [
+pub(crate) const OUTCOMES: [(&str, &str); 4] = [
     ("disappeared", "missed: disappeared"),
     ("misclassified", "missed: misclassified"),
     ("found_with_other", "found, and another label"),
@@ -65,7 +65,7 @@ pub(super) const OUTCOMES: [(&str, &str); 4] = [
 ];
 
 /// Returns the key of an outcome on the cards.
-pub(super) fn outcome_key(outcome: &PhotoOutcome) -> &'static str {
+pub(crate) fn outcome_key(outcome: &PhotoOutcome) -> &'static str {
     match outcome.verdict {
         Verdict::Missed if outcome.is_misclassified() => "misclassified",
         Verdict::Missed => "disappeared",

@@ -2,21 +2,24 @@
 
 use maud::{Markup, html};
 
-use super::{contact, interval_chart, strip};
-use crate::report::{paired, tables, verdict};
-use crate::{Compared, Scores};
+use crate::figures::{Compared, ScoredPhoto};
+use crate::report::findings::Findings;
+use crate::report::html::{contact, intervals, strip};
+use crate::report::table::Table;
+use crate::report::words::{paired, verdict};
 
-/// Renders the first screen of a report or comparison; a table of figures where nothing is compared.
-pub(super) fn screen(scores: &Scores, results: &[Compared], base: &str) -> Markup {
+/// Renders the first screen of a page: with its `main` table, the effects, or figures where nothing is compared.
+pub(crate) fn screen(findings: Findings, main: &Table) -> Markup {
+    let scores = findings.scores;
     html! {
-        @for sentence in verdict::sentences(scores, results, base) { p.verdict { (sentence) "." } }
-        @if results.is_empty() {
-            (tables::figures_of_screen(scores).markup())
+        @for sentence in verdict::sentences(findings) { p.verdict { (sentence) "." } }
+        @if findings.results.is_empty() {
+            (main.markup())
         } @else {
-            (strip::rows(scores, results, base))
-            (interval_chart::figure(scores, results, base))
-            (tables::effects(scores, results, base).markup())
-            p.note { (basis(results)) }
+            (strip::rows(findings))
+            (intervals::figure(findings))
+            (main.markup())
+            p.note { (basis(findings.results)) }
         }
         @if !scores.cautions.is_empty() {
             h3 { "To know before believing it" }
@@ -33,9 +36,9 @@ fn basis(results: &[Compared]) -> String {
 }
 
 /// Renders the photos that a page shows, each once: those of the strip and `others`.
-pub(super) fn library(scores: &Scores, results: &[Compared], base: &str, others: Vec<&crate::ScoredPhoto>) -> Markup {
+pub(crate) fn library(findings: Findings, others: Vec<&ScoredPhoto>) -> Markup {
     let mut photos = others;
-    for photo in strip::photos(scores, results, base) {
+    for photo in strip::photos(findings) {
         if photos.iter().all(|known| known.id != photo.id) {
             photos.push(photo);
         }

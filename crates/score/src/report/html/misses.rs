@@ -2,12 +2,12 @@
 
 use maud::{Markup, html};
 
-use super::{heads, rows_by_detector, table, title_of};
-use crate::report::number;
-use crate::{Figures, Scores, Summary};
+use crate::figures::{Figures, Scores, Summary};
+use crate::report::html::parts::{heads, rows_by_detector, table, title_of};
+use crate::report::words::numbers::number;
 
 /// Renders a bar of all photos for each detector and texture: hits, misclassified, disappeared.
-pub(super) fn outcomes(scores: &Scores) -> Markup {
+pub(crate) fn outcomes(scores: &Scores) -> Markup {
     let head = html! {
         (heads("detector", &["texture", "photos"])) th { "halluci\u{ad}nations" br; small { "a photo" } }
     };

@@ -2,28 +2,30 @@
 
 use maud::{Markup, html};
 
-use super::{heads, table};
-use crate::report::paper::Judged;
-use crate::report::{certainty, counted, paper, provenance, truth_boxes};
-use crate::{Compared, Comparison, NotScored, Scores, disagreements};
+use crate::figures::{Comparison, NotScored, Scores, disagreements};
+use crate::report::findings::Findings;
+use crate::report::html::parts::{heads, table};
+use crate::report::provenance;
+use crate::report::words::truth::truth_boxes;
+use crate::report::words::{certainty, counted, paper};
 use scaleproof_core::spelling;
 
 /// Renders sentences for a paper, how effects were decided, where AP and hits disagree, and the definitions in short.
-pub(super) fn method(scores: &Scores, results: &[Compared], base: &str, judged: Judged) -> Markup {
-    let paper = paper::sentences(scores, results, base, judged);
+pub(crate) fn method(findings: Findings) -> Markup {
+    let (scores, paper) = (findings.scores, paper::sentences(findings));
     html! {
         @if !paper.is_empty() { h3 { "To write in a paper" } p { (paper.join(" ")) } }
-        @if let Some(sentence) = certainty::tested(scores, results).filter(|_| !judged.is_by_looks) { h3 { "How effects were decided" } p { (sentence) "." } }
+        @if let Some(sentence) = certainty::tested(findings) { h3 { "How effects were decided" } p { (sentence) "." } }
         @for sentence in disagreements(scores) { p.explained { (sentence) "." } }
         p {
             @if let Some(protocol) = scores.criteria.protocol { "Protocol: " (protocol.name()) ". " }
             "AP@0.5: " (scores.criteria.ap.name()) " (" (scores.criteria.ap.meaning()) "); a hit: " (scores.criteria.hit())
-            "; counts as the model: " (counted(scores)) ". Confidence: misses count 0. Drop: the base minus the texture."
+            "; counts as the model: " (counted::counted(scores)) ". Confidence: misses count 0. Drop: the base minus the texture."
         }
     }
 }
 
-pub(super) fn not_scored(scores: &Scores) -> Markup {
+pub(crate) fn not_scored(scores: &Scores) -> Markup {
     html! {
         @if !scores.not_scored.is_empty() {
             h3 { "Photos not scored" }
@@ -32,7 +34,7 @@ pub(super) fn not_scored(scores: &Scores) -> Markup {
     }
 }
 
-pub(super) fn photos_with_reasons(photos: &[NotScored]) -> Markup {
+pub(crate) fn photos_with_reasons(photos: &[NotScored]) -> Markup {
     let rows = html! {
         @for p in photos {
             tr { td { (p.file) } td.text { (p.session) } td.text { (p.variant) } td.wrap { (p.reason) } }
@@ -41,7 +43,7 @@ pub(super) fn photos_with_reasons(photos: &[NotScored]) -> Markup {
     table(None, &heads("photo", &["session", "texture", "reason"]), &rows)
 }
 
-pub(super) fn definitions(scores: &Scores) -> Markup {
+pub(crate) fn definitions(scores: &Scores) -> Markup {
     html! {
         dl {
             @for (name, definition) in scores.criteria.definitions() { dt { (name) } dd { (definition) "." } }
@@ -71,13 +73,13 @@ fn taken(times: Option<&[String; 2]>) -> String {
 }
 
 /// Returns number and seed of the bootstrap draws of a comparison.
-pub(super) fn bootstrap(comparison: &Comparison) -> String {
+pub(crate) fn bootstrap(comparison: &Comparison) -> String {
     let (draws, seed) = (comparison.bootstrap_draws, comparison.bootstrap_seed);
     format!("{draws} bootstrap draws, seed {seed}")
 }
 
 /// Renders the provenance of a run; `chance` says which random numbers the figures rest on.
-pub(super) fn provenance(scores: &Scores, chance: &str) -> Markup {
+pub(crate) fn provenance(scores: &Scores, chance: &str) -> Markup {
     let p = provenance::from_scores(scores);
     let sources = html! {
         @for d in &p.detectors {

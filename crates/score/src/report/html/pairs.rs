@@ -4,9 +4,11 @@ use std::collections::BTreeSet;
 
 use maud::{Markup, html};
 
-use super::{contact, filters, side};
-use crate::report::number;
-use crate::{Comparison, PhotoOutcome, ScoredPhoto, Scores, paired_photos};
+use crate::compare::paired_photos;
+use crate::figures::{Comparison, PhotoOutcome, ScoredPhoto, Scores};
+use crate::report::html::{contact, filters};
+use crate::report::words::direction::side;
+use crate::report::words::numbers::number;
 
 /// Largest number of pairs that are shown: with more the page would be too large to open.
 const MOST_PAIRS: usize = 200;
@@ -14,7 +16,7 @@ const MOST_PAIRS: usize = 200;
 type Pair<'a> = (&'a ScoredPhoto, &'a ScoredPhoto);
 
 /// Outcomes of the model in both photos of a pair: key on the cards, and name.
-pub(super) const OUTCOMES: [(&str, &str); 4] = [
+pub(crate) const OUTCOMES: [(&str, &str); 4] = [
     ("lost", "found, then missed"),
     ("missed", "missed in both"),
     ("gained", "missed, then found"),
@@ -31,7 +33,7 @@ fn outcome(base: &PhotoOutcome, other: &PhotoOutcome) -> usize {
 }
 
 /// Returns the photos of the pairs that are shown, each once.
-pub(super) fn photos<'a>(scores: &'a Scores, comparison: &Comparison) -> Vec<&'a ScoredPhoto> {
+pub(crate) fn photos<'a>(scores: &'a Scores, comparison: &Comparison) -> Vec<&'a ScoredPhoto> {
     let pairs = shown(&pairs(scores, comparison));
     without_repeats(pairs.into_iter().flat_map(|(base, other)| [base, other]).collect())
 }
@@ -50,7 +52,7 @@ fn shown<'a>(all: &[Pair<'a>]) -> Vec<Pair<'a>> {
 }
 
 /// Renders a card for each detector and pair; `None` where the run kept no previews.
-pub(super) fn section(scores: &Scores, comparison: &Comparison) -> Option<Markup> {
+pub(crate) fn section(scores: &Scores, comparison: &Comparison) -> Option<Markup> {
     let all = pairs(scores, comparison);
     let shown = shown(&all);
     if shown.is_empty() {

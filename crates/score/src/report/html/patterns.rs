@@ -4,13 +4,13 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{Markup, html};
 
-use crate::{ScoredPhoto, Scores, WornPattern};
+use crate::figures::{ScoredPhoto, Scores, WornPattern};
 
 /// Number of photos that show a texture on the model.
 const STRIP: usize = 8;
 
 /// Renders each known pattern, and names the textures whose pattern is not known; `None` for a run of the plain model alone.
-pub(super) fn cards(scores: &Scores) -> Option<Markup> {
+pub(crate) fn cards(scores: &Scores) -> Option<Markup> {
     let variants = scores.variants();
     let textures = || variants.iter().filter(|v| **v != scores.base);
     let unknown: Vec<&str> = textures().filter(|v| of(scores, v).is_none()).copied().collect();
@@ -29,7 +29,7 @@ pub(super) fn cards(scores: &Scores) -> Option<Markup> {
 }
 
 /// Renders each texture with its pattern, where it has one, and some of its photos.
-pub(super) fn strips(scores: &Scores, textures: &[String]) -> Markup {
+pub(crate) fn strips(scores: &Scores, textures: &[String]) -> Markup {
     html! {
         @for texture in textures {
             h3 { (texture) }

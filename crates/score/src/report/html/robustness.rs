@@ -1,26 +1,15 @@
-//! AP against the severity of corruptions, a chart for each detector and corruption, and how far each drop goes.
+//! AP against the severity of corruptions, and how far each drop goes.
 
 use maud::{Markup, html};
 
-use super::{Plane, colour, colour_names, small_charts};
-use crate::report::tables;
-use crate::{CorruptedRow, Robustness, Scores};
-use scaleproof_plot::Anchor::Middle;
-use scaleproof_plot::{Colour, Drawing, Mark, NOTE, WHITE, distinct};
-
-const PLANE: Plane = Plane {
-    width: 180.0,
-    height: 120.0,
-};
-/// Greatest severity.
-const LAST: f64 = 5.0;
-
-pub(in crate::report) const MARKS: &str = "Severity 0: the photo reduced to 640 px, no worse; below the axes the amounts. Filled: the 95 % interval of the drop of AP@0.5 from the base lies above 0 there.";
+use crate::figures::Scores;
+use crate::report::charts::robustness::{MARKS, charts};
+use crate::report::html::parts::{colour_names, small_charts};
+use crate::report::table::Table;
 
 /// Renders the section; `None` for a run without corruptions.
-pub(super) fn section(scores: &Scores) -> Option<Markup> {
-    let robustness = scores.robustness.as_ref()?;
-    let survival = tables::survival(robustness);
+pub(crate) fn section(scores: &Scores, survival: Option<&Table>) -> Option<Markup> {
+    let (robustness, survival) = scores.robustness.as_ref().zip(survival)?;
     Some(html! {
         ul.legend { (colour_names(&scores.variants())) }
         (small_charts(charts(scores, robustness).into_iter().map(|(title, chart)| (html! { (title) }, chart))))
@@ -34,83 +23,4 @@ pub(super) fn section(scores: &Scores) -> Option<Markup> {
         }
         @for caution in &robustness.cautions { p.note { (caution) } }
     })
-}
-
-/// Returns the chart of each detector and corruption, by its title.
-pub(in crate::report) fn charts(scores: &Scores, robustness: &Robustness) -> Vec<(String, Drawing)> {
-    let corruptions = robustness.corruptions();
-    let mut all = Vec::new();
-    for detector in &scores.detectors {
-        for corruption in &corruptions {
-            let is_own =
-                |row: &&CorruptedRow| row.corruption == *corruption && row.held.detector == detector.manifest.name;
-            let own: Vec<&CorruptedRow> = robustness.rows.iter().filter(is_own).collect();
-            let title = format!("{}: {corruption}", detector.manifest.title);
-            all.push((title.clone(), chart(scores, title, &own)));
-        }
-    }
-    all
-}
-
-/// Draws the chart of `own`, the rows of one detector and corruption.
-fn chart(scores: &Scores, title: String, own: &[&CorruptedRow]) -> Drawing {
-    let from_base: Vec<&CorruptedRow> = own.iter().copied().filter(|row| row.held.base == scores.base).collect();
-    let amounts = distinct(from_base.iter().map(|row| (row.severity, row.amount.as_str())));
-    let lines = scores.variants().into_iter().enumerate().map(|(i, variant)| {
-        let points: Vec<(f64, f64, bool)> = if variant == scores.base {
-            of_base(&from_base)
-        } else {
-            let own = from_base.iter().filter(|row| row.held.variant == variant);
-            own.map(|row| {
-                (
-                    f64::from(row.severity),
-                    row.held.ap50.other,
-                    row.held.is_above_zero() == Some(true),
-                )
-            })
-            .collect()
-        };
-        line(colour(i), &points, variant == scores.base)
-    });
-    let mut marks = PLANE.grid(-5.0, None);
-    for (severity, amount) in &amounts {
-        let [x, bottom] = at(f64::from(*severity), 0.0);
-        marks.push(Mark::text([x, bottom + 13.0], 8.0, Middle, NOTE, short(amount)));
-    }
-    marks.extend(lines.flatten());
-    marks.push(PLANE.upright_title(-27.0, "AP@0.5"));
-    Drawing {
-        area: [-38.0, -8.0, 232.0, 146.0],
-        label: format!("AP@0.5 against severity, {title}"),
-        marks,
-    }
-}
-
-/// Returns the part of an amount that has room below an axis: the text before its bracket.
-fn short(amount: &str) -> &str {
-    match amount.split(" (").next() {
-        None | Some("") => "0",
-        Some(short) => short,
-    }
-}
-
-fn of_base(from_base: &[&CorruptedRow]) -> Vec<(f64, f64, bool)> {
-    let first = from_base.first().map(|row| row.held.variant.as_str());
-    let own = from_base.iter().filter(|row| Some(row.held.variant.as_str()) == first);
-    own.map(|row| (f64::from(row.severity), row.held.ap50.base, true))
-        .collect()
-}
-
-/// Draws a line through (severity, AP, whether the dot is filled), with dots but for the base.
-fn line(colour: Colour, points: &[(f64, f64, bool)], is_base: bool) -> Vec<Mark> {
-    let places = points.iter().map(|(severity, ap, _)| at(*severity, *ap));
-    let dots = points.iter().filter(|_| !is_base).map(|(severity, ap, is_filled)| {
-        let dot = Mark::circle(at(*severity, *ap), 3.0).outlined(colour, 1.5);
-        dot.filled(if *is_filled { colour } else { WHITE })
-    });
-    [Mark::polyline(places, colour, 2.0)].into_iter().chain(dots).collect()
-}
-
-fn at(severity: f64, ap: f64) -> [f64; 2] {
-    PLANE.at(severity / LAST, ap)
 }

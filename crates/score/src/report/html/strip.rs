@@ -2,9 +2,12 @@
 
 use maud::{Markup, html};
 
-use super::{contact, side};
-use crate::report::number;
-use crate::{Compared, ScoredPhoto, Scores, paired_photos};
+use crate::compare::paired_photos;
+use crate::figures::{Compared, ScoredPhoto, Scores};
+use crate::report::findings::Findings;
+use crate::report::html::contact;
+use crate::report::words::direction::side;
+use crate::report::words::numbers::number;
 use scaleproof_plot::distinct;
 
 /// Largest number of textures: more would push the chart off the first screen.
@@ -22,8 +25,9 @@ struct Strip<'a> {
 }
 
 /// Renders a row for each of the textures that weaken a detector most.
-pub(super) fn rows(scores: &Scores, results: &[Compared], base: &str) -> Markup {
-    let strips = strips(scores, results, base);
+pub(crate) fn rows(findings: Findings) -> Markup {
+    let (scores, base) = (findings.scores, findings.base);
+    let strips = strips(findings);
     html! {
         @for (i, strip) in strips.iter().enumerate() {
             @let title = &scores.detectors[strip.detector].manifest.title;
@@ -52,17 +56,17 @@ fn view(scores: &Scores, strip: &Strip, name: &str, (base, other): Pair) -> Mark
 }
 
 /// Returns the photos that the strips show.
-pub(super) fn photos<'a>(scores: &'a Scores, results: &'a [Compared], base: &str) -> Vec<&'a ScoredPhoto> {
-    let strips = strips(scores, results, base);
+pub(crate) fn photos<'a>(findings: Findings<'a>) -> Vec<&'a ScoredPhoto> {
+    let strips = strips(findings);
     let views = strips.iter().flat_map(|strip| &strip.views);
     views.flat_map(|(_, (base, other))| [*base, *other]).collect()
 }
 
-fn strips<'a>(scores: &'a Scores, results: &'a [Compared], base: &str) -> Vec<Strip<'a>> {
-    let textures = distinct(results.iter().map(|r| r.variant.as_str()));
+fn strips<'a>(findings: Findings<'a>) -> Vec<Strip<'a>> {
+    let textures = distinct(findings.results.iter().map(|r| r.variant.as_str()));
     let mut strips: Vec<(f64, Strip)> = textures
         .into_iter()
-        .filter_map(|texture| strip(scores, results, base, texture))
+        .filter_map(|texture| strip(findings, texture))
         .collect();
     // Keeps the largest drops, in the order of the textures.
     let mut drops: Vec<f64> = strips.iter().map(|(drop, _)| *drop).collect();
@@ -74,12 +78,13 @@ fn strips<'a>(scores: &'a Scores, results: &'a [Compared], base: &str) -> Vec<St
 
 /// Returns the drop and the views of a texture for the detector whose confidence falls most, shown effects first; `None` where the run kept no
 /// previews.
-fn strip<'a>(scores: &'a Scores, results: &'a [Compared], base: &str, texture: &'a str) -> Option<(f64, Strip<'a>)> {
-    let own = results.iter().filter(|r| r.variant == texture);
+fn strip<'a>(findings: Findings<'a>, texture: &'a str) -> Option<(f64, Strip<'a>)> {
+    let scores = findings.scores;
+    let own = findings.results.iter().filter(|r| r.variant == texture);
     let most = own.max_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap_or(std::cmp::Ordering::Equal))?;
     let detector = scores.detectors.iter().position(|d| d.manifest.name == most.detector)?;
     let lost = |(base, other): &Pair| base.outcomes[detector].confidence - other.outcomes[detector].confidence;
-    let mut pairs = paired_photos(scores, base, texture);
+    let mut pairs = paired_photos(scores, findings.base, texture);
     pairs.retain(|(base, other)| !base.preview_jpeg.is_empty() && !other.preview_jpeg.is_empty());
     pairs.sort_by(|a, b| lost(b).total_cmp(&lost(a)).then(a.1.id.cmp(&b.1.id)));
     let views = match pairs.as_slice() {

@@ -1,6 +1,6 @@
 //! Content of a cell.
 
-use crate::report::paired::ends;
+use crate::report::words::paired::ends;
 use scaleproof_core::spelling::digits;
 use scaleproof_core::statistics::Interval;
 
@@ -17,7 +17,7 @@ pub struct Cell {
     /// Darkness of the cell on a page, from 0 to 1.
     pub shade: Option<f64>,
     /// True if the row above has the same text.
-    pub(super) is_repeated: bool,
+    pub(crate) is_repeated: bool,
 }
 
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -101,7 +101,7 @@ impl Cell {
     }
 
     /// Returns the value in words, its numbers written by `number` (value, digits behind the point).
-    pub(super) fn words(&self, number: impl Fn(f64, usize) -> String) -> String {
+    pub(crate) fn words(&self, number: impl Fn(f64, usize) -> String) -> String {
         match &self.value {
             Value::None => "–".to_owned(),
             Value::Text(text) => text.clone(),
@@ -114,7 +114,7 @@ impl Cell {
     }
 
     /// Returns the interval as `[0.38, 1.00]`, its numbers written by `number`.
-    pub(super) fn interval_words(&self, number: impl Fn(f64, usize) -> String) -> Option<String> {
+    pub(crate) fn interval_words(&self, number: impl Fn(f64, usize) -> String) -> Option<String> {
         let behind = match &self.value {
             Value::Number { digits, .. } | Value::Change { digits, .. } => *digits,
             _ => 2,
@@ -123,7 +123,7 @@ impl Cell {
     }
 
     /// Returns the value, its interval and its remark in one line of plain text; a number that is shown to change has a star.
-    pub(super) fn line(&self) -> String {
+    pub(crate) fn line(&self) -> String {
         if self.is_repeated {
             return String::new();
         }

@@ -1,7 +1,8 @@
 //! A table as a `tabular` in booktabs' style.
 
-use super::{Cell, Side, Table, Value};
-use crate::report::tex::{escaped, number, row, tabular};
+use crate::report::latex::markup::{escaped, number, row, tabular};
+use crate::report::table::model::Side;
+use crate::report::table::{Cell, Table, Value};
 
 impl Table {
     /// Returns the `tabular` alone, without caption and notes.

@@ -1,6 +1,7 @@
 //! A table in lines of plain text.
 
-use super::{Cell, Side, Table, Value};
+use crate::report::table::model::Side;
+use crate::report::table::{Cell, Table, Value};
 
 /// Number of columns that a screen always has.
 const FEWEST: usize = 4;

@@ -1,10 +1,11 @@
 //! Table of the drop of the hit rate in each direction.
 
-use crate::report::{Cell, Column, Table};
-use crate::{Compared, Scores};
+use crate::report::findings::Findings;
+use crate::report::table::{Cell, Column, Table};
 
 /// Returns a row for each detector and texture, a column for each azimuth.
-pub(in crate::report) fn by_azimuth(scores: &Scores, results: &[Compared]) -> Table {
+pub(crate) fn by_azimuth(findings: Findings) -> Table {
+    let scores = findings.scores;
     let azimuths = scores.sessions[0].scene.bins.azimuth_centres();
     let names = [
         Column::words("detector"),
@@ -16,7 +17,7 @@ pub(in crate::report) fn by_azimuth(scores: &Scores, results: &[Compared]) -> Ta
         .chain(azimuths.iter().map(|azimuth| Column::numbers(&format!("{azimuth}°"))));
     let mut table = Table::new("Drop of the hit rate by azimuth", columns.collect());
     for own in scores.detectors.iter() {
-        let own = results.iter().filter(|r| r.detector == own.manifest.name);
+        let own = findings.results.iter().filter(|r| r.detector == own.manifest.name);
         table.add_block(own.map(|r| {
             let cells = azimuths.iter().map(|azimuth| {
                 let bin = r

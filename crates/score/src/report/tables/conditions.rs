@@ -1,12 +1,12 @@
 //! Tables of figures by a condition that photos were grouped by.
 
-use crate::report::{Cell, Column, Table};
-use crate::{ConditionFigures, Scores};
+use crate::figures::{ConditionFigures, Scores};
+use crate::report::table::{Cell, Column, Table};
 use scaleproof_core::spelling::digits;
 use scaleproof_plot::distinct;
 
 /// Returns a table for each condition that photos were grouped by: values and textures down, detectors across.
-pub(in crate::report) fn conditions(scores: &Scores) -> Vec<Table> {
+pub(crate) fn conditions(scores: &Scores) -> Vec<Table> {
     let all = scores.summaries.iter().flat_map(|s| &s.conditions);
     let names = distinct(all.map(|c| c.condition.as_str()));
     names.into_iter().map(|name| condition(scores, name)).collect()

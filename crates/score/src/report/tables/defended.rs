@@ -1,12 +1,12 @@
 //! Tables of differences between variants on defended photos, and of the changes by each defence.
 
-use crate::report::{Cell, Column, Table};
-use crate::{Defences, DefendedRow, Held, UNDEFENDED};
+use crate::figures::{Defences, DefendedRow, Held, UNDEFENDED};
+use crate::report::table::{Cell, Column, Table};
 use scaleproof_core::statistics::Interval;
 use scaleproof_plot::distinct;
 
 /// Returns two tables, each with a row for each detector and comparison and a column for each defence.
-pub(in crate::report) fn defended(defences: &Defences) -> [Table; 2] {
+pub(crate) fn defended(defences: &Defences) -> [Table; 2] {
     let names = || defences.defences.iter().map(|defence| defence.name.as_str());
     let with_none: Vec<&str> = std::iter::once(UNDEFENDED).chain(names()).collect();
     let drops =

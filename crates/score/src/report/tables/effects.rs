@@ -1,11 +1,17 @@
 //! Table of the effect of each texture on each detector, the main one of a comparison.
 
-use crate::report::{Cell, CellValue, Column, Table, paired};
-use crate::{Compared, Effect, MOST_HIT, Scores, Summary, paired_control};
+use crate::compare::MOST_HIT;
+use crate::figures::{Compared, Effect, Scores, Summary};
+use crate::report::findings::Findings;
+use crate::report::table::{Cell, Column, Table, Value};
+use crate::report::words::paired;
 use scaleproof_core::spelling::{self, digits};
 
 /// Returns a row for each detector and texture: the effect, the mean confidence and hits of the base and of the texture.
-pub(in crate::report) fn effects(scores: &Scores, results: &[Compared], base: &str) -> Table {
+pub(crate) fn effects(findings: Findings) -> Table {
+    let Findings {
+        scores, results, base, ..
+    } = findings;
     let mut table = Table::new(
         &format!("Textures against {}", paired::named_base(base)),
         vec![
@@ -20,9 +26,9 @@ pub(in crate::report) fn effects(scores: &Scores, results: &[Compared], base: &s
     );
     for detector in &scores.detectors {
         let name = &detector.manifest.name;
-        let all = results.iter().chain(paired_control(scores));
+        let all = results.iter().chain(findings.control);
         let own = all.filter(|r| r.detector == *name).map(|r| row(scores, r));
-        let unpaired = unpaired(scores, name, results).map(|(base, s)| unpaired_row(scores, base, s));
+        let unpaired = unpaired(findings, name).map(|(base, s)| unpaired_row(scores, base, s));
         table.add_block(own.chain(unpaired));
     }
     table.notes.extend(open(results));
@@ -47,7 +53,7 @@ fn row(scores: &Scores, r: &Compared) -> Vec<Cell> {
         .with_remark(remark(r)),
         Cell::number(d.drop, 2).with_interval(d.interval_95),
         Cell::change(d.base, d.other, 2),
-        Cell::of(CellValue::ShareChange { from, to, of }),
+        Cell::of(Value::ShareChange { from, to, of }),
         Cell::change(r.ap50.base, r.ap50.other, 2),
     ]
 }
@@ -102,17 +108,14 @@ fn withheld(results: &[Compared]) -> Vec<String> {
 }
 
 /// Returns the textures of a detector that share no place and bin with the base, each after the base itself.
-fn unpaired<'a>(
-    scores: &'a Scores,
-    detector: &'a str,
-    results: &'a [Compared],
-) -> impl Iterator<Item = (&'a Summary, &'a Summary)> {
+fn unpaired<'a>(findings: Findings<'a>, detector: &'a str) -> impl Iterator<Item = (&'a Summary, &'a Summary)> {
+    let scores = findings.scores;
     let base = scores.summary(detector, &scores.base);
     let others = scores
         .summaries
         .iter()
         .filter(move |s| s.detector == detector && s.variant != scores.base);
-    let all = || results.iter().chain(paired_control(scores));
+    let all = move || findings.results.iter().chain(findings.control);
     others
         .filter(move |s| all().all(|r| r.variant != s.variant))
         .filter_map(move |s| Some((base?, s)))

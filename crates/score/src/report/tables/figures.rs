@@ -1,12 +1,14 @@
 //! Tables of the figures of every detector and texture, in the layout of the field's papers.
 
-use super::by_detector;
-use crate::report::{Cell, Column, Table, paired};
-use crate::{Compared, Difference, Drop, Scores, Summary};
+use crate::figures::{Compared, Difference, Drop, Scores, Summary};
+use crate::report::findings::Findings;
+use crate::report::table::{Cell, Column, Table};
+use crate::report::tables::by_detector::by_detector;
+use crate::report::words::paired;
 use scaleproof_core::statistics::Interval;
 
 /// Returns AP, hit rate and confidence with their drops from the base.
-pub(in crate::report) fn figures(scores: &Scores) -> Table {
+pub(crate) fn figures(findings: Findings) -> Table {
     let drop = |key: &str| Column::numbers("drop").called(key).in_unit("95 %");
     let mut table = Table::new(
         "AP@0.5, hit rate and confidence",
@@ -23,11 +25,11 @@ pub(in crate::report) fn figures(scores: &Scores) -> Table {
             drop("drop_mean_confidence"),
         ],
     );
-    by_detector(scores, |s| cells(scores, s)).for_each(|rows| table.add_block(rows));
+    by_detector(findings.scores, |s| cells(findings, s)).for_each(|rows| table.add_block(rows));
     table
 }
 
-fn cells(scores: &Scores, s: &Summary) -> Vec<Cell> {
+fn cells(findings: Findings, s: &Summary) -> Vec<Cell> {
     let (f, rate) = (&s.overall, &s.overall.hit_rate);
     let wilson = Interval {
         low: rate.low,
@@ -37,30 +39,30 @@ fn cells(scores: &Scores, s: &Summary) -> Vec<Cell> {
     vec![
         Cell::count(f.photos),
         Cell::number(f.ap50, 3),
-        drop(scores, s, |d| d.ap50, |r| &r.ap50, |_| false),
+        drop(findings, s, |d| d.ap50, |r| &r.ap50, |_| false),
         Cell::share(rate.count, f.photos),
         Cell::number(rate.rate, 2).with_interval(Some(wilson)),
         drop(
-            scores,
+            findings,
             s,
             |d| d.hit_rate,
             |r| &r.hit_rate.rate,
             paired::is_hit_rate_shown,
         ),
         Cell::number(f.mean_confidence, 2),
-        drop(scores, s, |d| d.mean_confidence, |r| &r.mean_confidence, shown),
+        drop(findings, s, |d| d.mean_confidence, |r| &r.mean_confidence, shown),
     ]
 }
 
 /// Returns the drop on paired photos with its interval, or over all photos where none pair.
 fn drop(
-    scores: &Scores,
+    findings: Findings,
     s: &Summary,
     overall: fn(&Drop) -> f64,
     of: fn(&Compared) -> &Difference,
     is_shown: fn(&Compared) -> bool,
 ) -> Cell {
-    match (paired::compared(scores, &s.detector, &s.variant), s.drop) {
+    match (findings.compared(&s.detector, &s.variant), s.drop) {
         (Some(r), _) => Cell::number(of(r).drop, 2)
             .with_interval(of(r).interval_95)
             .strong(is_shown(r)),
@@ -70,7 +72,7 @@ fn drop(
 }
 
 /// Returns the figures that a screen has room for where nothing is compared.
-pub(in crate::report) fn figures_of_screen(scores: &Scores) -> Table {
+pub(crate) fn figures_of_screen(scores: &Scores) -> Table {
     let mut table = Table::new(
         "Hits, confidence and AP@0.5",
         vec![

@@ -1,12 +1,12 @@
 //! Table of a sequential comparison.
 
-use crate::report::paired::briefly;
-use crate::report::sequential::{figures, found, p_of, repeats, rounds, unit};
-use crate::report::{Cell, Column, Table};
-use crate::{Course, Decision, Scores, Sequential};
+use crate::figures::{Course, Decision, Scores, Sequential};
+use crate::report::table::{Cell, Column, Table};
+use crate::report::words::looks::{figures, found, p_of, repeats, rounds, unit};
+use crate::report::words::paired::briefly;
 
 /// Returns two rows for each detector and texture: the findings on the confidence and on the hits so far, and the look after which they were shown.
-pub(in crate::report) fn looks(scores: &Scores, sequential: &Sequential) -> Table {
+pub(crate) fn looks(scores: &Scores, sequential: &Sequential) -> Table {
     let unit = unit(sequential);
     let caption =
         format!("Looked at after each {unit}, in the order of the photos; what is said holds however often one looks");

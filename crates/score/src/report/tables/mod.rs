@@ -1,56 +1,34 @@
 //! Tables of the reports, one file each.
 
-mod azimuth;
-mod conditions;
-mod defended;
-mod effects;
-mod figures;
-mod looks;
-mod order;
-mod outcomes;
-mod papers;
-mod patterns;
-mod protocol;
-mod survival;
-mod taken;
-mod transfer;
+pub mod azimuth; // drop of the hit rate in each direction
+pub mod by_detector; // rows grouped by detector
+pub mod conditions; // figures by a condition
+pub mod defended; // differences on defended photos
+pub mod effects; // effect of each texture on each detector
+pub mod figures; // AP, hit rate and confidence
+pub mod looks; // a sequential comparison
+pub mod order; // order of the textures here and there
+pub mod outcomes; // hits and misses
+pub mod papers; // figures that papers compare
+pub mod patterns; // the paper's tables of an evaluation
+pub mod protocol; // table of a protocol
+pub mod run; // all tables of a run
+pub mod survival; // severities at which a drop is shown
+pub mod taken; // labels given to the model
+pub mod transfer; // pattern × detector
 
-pub(super) use azimuth::by_azimuth;
-pub(super) use conditions::conditions;
-pub(super) use defended::defended;
-pub(super) use effects::effects;
-pub(super) use figures::{figures, figures_of_screen};
-pub(super) use looks::looks;
-pub(super) use order::order;
-pub(super) use outcomes::outcomes;
-pub(super) use papers::papers;
-pub(super) use patterns::{by_pattern, differences};
-pub(super) use protocol::protocol;
-pub(super) use survival::survival;
-pub(super) use taken::taken;
-pub(super) use transfer::transferred;
-
-use super::{Cell, Table};
-use crate::{Scores, Summary};
-
-/// Returns the tables that a run has only on request.
-pub(super) fn asked_for(scores: &Scores) -> Vec<Table> {
-    let mut tables = conditions(scores);
-    tables.extend(protocol(scores));
-    tables.extend(scores.robustness.as_ref().map(survival));
-    tables.extend(scores.defences.iter().flat_map(defended));
-    tables.extend(scores.ranking.as_ref().map(|ranking| order(scores, ranking)));
-    tables
-}
-
-/// Returns a block of rows for each detector, a row for each of its variants, with these cells behind the two names.
-fn by_detector<'a>(
-    scores: &'a Scores,
-    cells: impl Fn(&'a Summary) -> Vec<Cell> + 'a,
-) -> impl Iterator<Item = Vec<Vec<Cell>>> + 'a {
-    let detectors = scores.summaries.chunk_by(|a, b| a.detector == b.detector);
-    detectors.map(move |own| {
-        let names = |s: &Summary| vec![Cell::text(scores.title(&s.detector)), Cell::text(&s.variant)];
-        own.iter().map(|s| [names(s), cells(s)].concat()).collect()
-    })
-}
+pub(crate) use azimuth::by_azimuth;
+pub(crate) use conditions::conditions;
+pub(crate) use defended::defended;
+pub(crate) use effects::effects;
+pub(crate) use figures::{figures, figures_of_screen};
+pub(crate) use looks::looks;
+pub(crate) use order::order;
+pub(crate) use outcomes::outcomes;
+pub(crate) use papers::papers;
+pub(crate) use patterns::{by_pattern, differences};
+pub(crate) use protocol::protocol;
+pub use run::{ACROSS, RunTables};
+pub(crate) use survival::survival;
+pub(crate) use taken::taken;
+pub(crate) use transfer::transferred;

@@ -1,11 +1,11 @@
 //! Table of the order of the textures here against that in other sessions.
 
-use crate::report::{Cell, Column, Table};
-use crate::{Ranking, RankingFinding, RankingRow, Scores};
+use crate::figures::{Ranking, RankingFinding, RankingRow, Scores};
+use crate::report::table::{Cell, Column, Table};
 use scaleproof_core::spelling::digits;
 
 /// Returns a row for each detector, and for each value of a condition that photos were grouped by.
-pub(in crate::report) fn order(scores: &Scores, ranking: &Ranking) -> Table {
+pub(crate) fn order(scores: &Scores, ranking: &Ranking) -> Table {
     let mut table = Table::new(
         &format!("Order of the textures by AP@0.5, against {}", ranking.others.join(", ")),
         vec![

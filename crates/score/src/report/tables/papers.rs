@@ -1,11 +1,13 @@
 //! Table of the figures that papers compare beside AP@0.5.
 
-use super::by_detector;
-use crate::report::{Cell, Column, Table, certainty, paired};
-use crate::{Compared, Difference, Scores, Summary};
+use crate::figures::{Compared, Difference, Summary};
+use crate::report::findings::Findings;
+use crate::report::table::{Cell, Column, Table};
+use crate::report::tables::by_detector::by_detector;
+use crate::report::words::certainty;
 
 /// Returns AP@[.5:.95], recalls, false positives and attack success rates.
-pub(in crate::report) fn papers(scores: &Scores) -> Table {
+pub(crate) fn papers(findings: Findings) -> Table {
     let mut table = Table::new(
         "Figures that papers compare",
         vec![
@@ -19,11 +21,11 @@ pub(in crate::report) fn papers(scores: &Scores) -> Table {
             Column::numbers("ASR of hits").called("asr_hit_rate").in_unit("95 %"),
         ],
     );
-    by_detector(scores, |s| cells(scores, s)).for_each(|rows| table.add_block(rows));
+    by_detector(findings.scores, |s| cells(findings, s)).for_each(|rows| table.add_block(rows));
     table.notes = vec![
         format!(
             "mAR: mean of the largest recalls; FPPI: false positives per image; ASR: attack success rate, 1 − this texture ÷ {}, on paired photos where there are pairs",
-            scores.base
+            findings.base
         ),
         "A rate without an interval is not certain: where no photo was hit, Wilson's interval says up to which hit rate these photos leave open"
             .to_owned(),
@@ -31,9 +33,9 @@ pub(in crate::report) fn papers(scores: &Scores) -> Table {
     table
 }
 
-fn cells(scores: &Scores, s: &Summary) -> Vec<Cell> {
+fn cells(findings: Findings, s: &Summary) -> Vec<Cell> {
     let f = &s.overall;
-    let rates = match (paired::compared(scores, &s.detector, &s.variant), s.asr) {
+    let rates = match (findings.compared(&s.detector, &s.variant), s.asr) {
         (Some(r), _) => [asr(r, &r.ap50), asr(r, &r.hit_rate.rate)],
         (None, Some(asr)) => [asr.ap50, asr.hit_rate].map(|asr| Cell::maybe(asr, 2)),
         (None, None) => [(); 2].map(|()| Cell::text("")),

@@ -1,13 +1,15 @@
 //! The paper's tables of an evaluation (DTA, tables 1 and 2), and the paired differences behind them.
 
+use crate::evaluated::EvaluatedDetector;
+use crate::figures::{BASE_VARIANT, Compared};
 use crate::report::evaluation::{Evaluation, SCOPE};
-use crate::report::{Cell, Column, Table, paired};
-use crate::{BASE_VARIANT, Compared, EvaluatedDetector};
+use crate::report::table::{Cell, Column, Table};
+use crate::report::words::paired;
 use scaleproof_core::spelling;
 
 /// Returns table 1, AP@0.5 and mean confidence of the detectors that the patterns were made against, and table 2, AP@0.5 of the others, where there
 /// are any; each in several tables where it has more than `across` columns.
-pub(in crate::report) fn by_pattern(evaluation: &Evaluation, across: usize) -> Vec<Table> {
+pub(crate) fn by_pattern(evaluation: &Evaluation, across: usize) -> Vec<Table> {
     let photos = evaluation.scores.photos.len() / evaluation.patterns.len().max(1);
     let ap = evaluation.scores.criteria.ap.name();
     let first = format!(
@@ -54,7 +56,7 @@ fn pattern_table(
 
 /// Returns the differences of AP@0.5: of each pattern from the plain model, with the effect on the mean confidence; then of patterns from each other,
 /// by intervals alone.
-pub(in crate::report) fn differences(evaluation: &Evaluation) -> Table {
+pub(crate) fn differences(evaluation: &Evaluation) -> Table {
     let mut table = Table::new(
         "Difference of AP@0.5, paired; against the plain model also what is shown of the mean confidence",
         vec![

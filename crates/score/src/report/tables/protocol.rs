@@ -1,10 +1,10 @@
 //! Table that a protocol's paper prints.
 
-use crate::report::{Cell, Column, Table};
-use crate::{ProtocolTable, Scores, protocol_table};
+use crate::figures::{ProtocolTable, Scores, protocol_table};
+use crate::report::table::{Cell, Column, Table};
 
 /// Returns the table of the run's protocol; `None` when it follows none.
-pub(in crate::report) fn protocol(scores: &Scores) -> Option<Table> {
+pub(crate) fn protocol(scores: &Scores) -> Option<Table> {
     let ProtocolTable {
         name,
         source,

@@ -1,11 +1,12 @@
 //! Table of the severities up to which each drop holds on corrupted photos.
 
-use crate::report::{Cell, Column, Table};
-use crate::{BASE_LOST, Robustness, SEVERITIES, Survival};
+use crate::figures::{BASE_LOST, Robustness, Survival};
+use crate::report::table::{Cell, Column, Table};
+use crate::robustness::SEVERITIES;
 use scaleproof_plot::distinct;
 
 /// Returns a row for each detector and comparison, a column for each corruption: the severities at which the drop of AP@0.5 lies above 0.
-pub(in crate::report) fn survival(robustness: &Robustness) -> Table {
+pub(crate) fn survival(robustness: &Robustness) -> Table {
     let corruptions = robustness.corruptions();
     let names = ["detector", "texture", "from"].map(Column::words);
     let columns = names

@@ -3,15 +3,17 @@
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
-use crate::report::{Cell, Column, Table, counted, other_label};
-use crate::{ScoredPhoto, Scores};
+use crate::figures::{ScoredPhoto, Scores};
+use crate::report::table::{Cell, Column, Table};
+use crate::report::words::counted;
+use crate::report::words::counted::other_label;
 
 /// Name for no label at all.
 const NOTHING: &str = "nothing";
 
 /// Counts photos by the label of the most confident detection on the model, for a hit of the matching one: labels that count as the model first, then
 /// the others by how often they occur, nothing last.
-pub(in crate::report) fn taken(scores: &Scores) -> Table {
+pub(crate) fn taken(scores: &Scores) -> Table {
     let mut counts: BTreeMap<(usize, &str), BTreeMap<String, usize>> = BTreeMap::new();
     for p in &scores.photos {
         for index in 0..scores.detectors.len() {

@@ -1,18 +1,21 @@
 //! Tables of the transfer of each texture's effect to other detectors.
 
-use crate::report::{Cell, Column, Table, paired};
-use crate::{Scores, TransferDrop, transfer};
+use crate::figures::{TransferDrop, transfer};
+use crate::report::findings::Findings;
+use crate::report::table::{Cell, Column, Table};
+use crate::report::words::paired;
 use scaleproof_core::spelling::digits;
 
 /// Returns pattern × detector: the drop of AP@0.5, darker the larger it is, and that of the hit rate; a table for every `across` detectors. None
 /// without a base to drop from.
-pub(in crate::report) fn transferred(scores: &Scores, across: usize) -> Vec<Table> {
+pub(crate) fn transferred(findings: Findings, across: usize) -> Vec<Table> {
+    let scores = findings.scores;
     let rows = transfer(&scores.summaries);
     if rows.is_empty() {
         return Vec::new();
     }
     let caption = format!("Transfer: drop from {}, pattern × detector", scores.base);
-    let of_some = |(i, some): (usize, &[crate::EvaluatedDetector])| {
+    let of_some = |(i, some): (usize, &[crate::evaluated::EvaluatedDetector])| {
         let titles = some.iter().map(|d| Column::numbers(&d.manifest.title));
         let mut table = Table::new(
             &caption,
@@ -22,7 +25,7 @@ pub(in crate::report) fn transferred(scores: &Scores, across: usize) -> Vec<Tabl
             rows.iter()
                 .map(|row| {
                     let own = row.detectors.iter().skip(i * across).take(across);
-                    let cells = own.map(|drop| cell(scores, &row.variant, drop));
+                    let cells = own.map(|drop| cell(findings, &row.variant, drop));
                     std::iter::once(Cell::text(&row.variant)).chain(cells).collect()
                 })
                 .collect(),
@@ -34,8 +37,8 @@ pub(in crate::report) fn transferred(scores: &Scores, across: usize) -> Vec<Tabl
     scores.detectors.chunks(across).enumerate().map(of_some).collect()
 }
 
-fn cell(scores: &Scores, variant: &str, drop: &TransferDrop) -> Cell {
-    let compared = paired::compared(scores, &drop.detector, variant);
+fn cell(findings: Findings, variant: &str, drop: &TransferDrop) -> Cell {
+    let compared = findings.compared(&drop.detector, variant);
     Cell::number(drop.drop.ap50, 3)
         .shaded(drop.drop.ap50)
         .strong(compared.is_some_and(paired::is_confidence_shown))

@@ -1,0 +1,46 @@
+//! Columns of a comparison of a variant with a base.
+
+use serde_json::{Value, json};
+
+use crate::figures::{Difference, Held, Scores};
+use crate::report::words::counted;
+
+/// Returns the columns of a comparison of a variant with a base.
+pub(crate) fn columns(scores: &Scores, held: &Held) -> Vec<(&'static str, Value)> {
+    let mut line = vec![
+        ("base", json!(held.base)),
+        ("variant", json!(held.variant)),
+        ("detector", json!(held.detector)),
+        ("pairs", json!(held.pairs)),
+    ];
+    line.push(("effect", json!(held.finding.map(|finding| finding.effect))));
+    line.push(("p", json!(held.finding.map(|finding| finding.confidence_p))));
+    line.extend(CONFIDENCE.into_iter().zip(values(&held.mean_confidence)));
+    line.extend(AP50.into_iter().zip(values(&held.ap50)));
+    line.extend(HIT_RATE.into_iter().zip(values(&held.hit_rate)));
+    line.push(("ap_definition", json!(scores.criteria.ap.name())));
+    line.push(("box_labels", json!(counted::box_labels_of(scores, &held.detector))));
+    line
+}
+
+/// Names of the columns of a difference, in the order of [`values`].
+const AP50: [&str; 5] = ["base_ap50", "ap50", "drop_ap50", "drop_ap50_low", "drop_ap50_high"];
+const HIT_RATE: [&str; 5] = [
+    "base_hit_rate",
+    "hit_rate",
+    "drop_hit_rate",
+    "drop_hit_rate_low",
+    "drop_hit_rate_high",
+];
+const CONFIDENCE: [&str; 5] = [
+    "base_mean_confidence",
+    "mean_confidence",
+    "drop_mean_confidence",
+    "drop_mean_confidence_low",
+    "drop_mean_confidence_high",
+];
+
+fn values(d: &Difference) -> [Value; 5] {
+    let (low, high) = (d.interval_95.map(|i| i.low), d.interval_95.map(|i| i.high));
+    [json!(d.base), json!(d.other), json!(d.drop), json!(low), json!(high)]
+}
