@@ -282,7 +282,7 @@ fn bad_input_is_one_sentence_and_nothing_is_written() {
         (
             &all[..],
             vec!["--fixed", "mat", "--sizes", "40"],
-            vec!["fixed with 50 mm", "40 mm in --sizes"],
+            vec!["fixed with 50 mm", "given with 40 mm\nhint: ", "--sizes"],
         ),
         (
             &all[..],

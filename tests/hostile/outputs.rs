@@ -242,6 +242,18 @@ fn a_forged_note_moves_nothing_out_of_its_folder_or_over_what_it_does_not_name()
     assert_eq!(names(&out), ["evil", "p.png", "photo.jpg"]);
 }
 
+/// Whoever may read a folder may lock it.
+#[test]
+fn a_folder_that_somebody_holds_locked_is_said_to_be() {
+    let out = tempfile::tempdir().unwrap();
+    let held = std::fs::File::open(out.path()).unwrap();
+    held.lock().unwrap();
+    let ended = score(out.path(), "0.5").output().unwrap();
+    assert_eq!(ended.status.code(), Some(2));
+    assert!(stderr(&ended).contains("lock"), "{}", stderr(&ended));
+    assert_eq!(names(out.path()), [""; 0]);
+}
+
 /// The files of a report of other detectors go, a stranger's file stays.
 #[test]
 fn results_of_detectors_that_are_no_longer_in_a_report_go() {

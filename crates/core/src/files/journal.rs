@@ -2,15 +2,17 @@
 //!
 //! The note is written when every file is whole under its temporary name, and removed when the last has taken its place. Whoever holds its
 //! lock is at work on it; the lock ends with the process. The next run that writes into the folder finishes it before anything else, or old
-//! files would take the places of newer ones later. It names files of its own folder only: a folder from elsewhere cannot make this program
-//! rename anything outside.
+//! files would take the places of newer ones later.
+//!
+//! A line of the note is `INODE CHANGED NAME`: the temporary file by its number and the time of its last change, which no program can choose. So a
+//! folder from elsewhere, whose files have other numbers and times here, makes this program rename nothing, and no note reaches out of its folder.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
+use std::fs::{File, TryLockError};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, SystemTime};
+use std::time::{Duration, Instant, SystemTime};
 
 use super::error::FileError;
 use super::inputs;
@@ -35,8 +37,8 @@ pub(super) fn persist_all(staged: Vec<Staged>) -> Result<(), FileError> {
     };
     // Runs that finish at once in one folder take their turns, so that its files are all of one of them. In the order of the names, so that
     // no two wait for each other.
-    let turns: Vec<Option<File>> = folders.keys().map(|folder| turn(folder)).collect();
-    let journals = folders.iter().map(|(folder, names)| Journal::write(folder, names));
+    let turns: Vec<Option<File>> = folders.keys().map(|folder| turn(folder)).collect::<Result<_, _>>()?;
+    let journals = folders.iter().map(|(folder, lines)| Journal::write(folder, lines));
     let journals: Vec<Journal> = journals.collect::<Result<_, _>>()?;
     staged.into_iter().try_for_each(|file| file.persist().map(drop))?;
     drop(journals);
@@ -44,33 +46,70 @@ pub(super) fn persist_all(staged: Vec<Staged>) -> Result<(), FileError> {
     Ok(())
 }
 
-/// The folder, locked; `None` where folders have no locks.
-fn turn(folder: &Path) -> Option<File> {
-    let folder = File::open(folder).ok()?;
-    folder.lock().ok()?;
-    Some(folder)
+/// Longest wait for the lock of a folder, which a run holds for as long as it renames its files.
+const LONGEST_TURN: Duration = Duration::from_secs(10);
+
+/// Locks a folder. Returns `None` where folders have no locks.
+///
+/// # Errors
+/// Another program holds the lock and does not let go of it.
+fn turn(folder: &Path) -> Result<Option<File>, FileError> {
+    let Ok(file) = File::open(folder) else { return Ok(None) };
+    let begin = Instant::now();
+    loop {
+        match file.try_lock() {
+            Ok(()) => return Ok(Some(file)),
+            Err(TryLockError::Error(_)) => return Ok(None),
+            Err(TryLockError::WouldBlock) if begin.elapsed() < LONGEST_TURN => {
+                std::thread::sleep(Duration::from_millis(20));
+            }
+            Err(TryLockError::WouldBlock) => {
+                return Err(FileError::cannot_write(
+                    folder,
+                    "another program has held the folder's lock for ten seconds: end it, or name another output",
+                ));
+            }
+        }
+    }
 }
 
-/// Temporary names by folder. However a folder is spelled, it is one: its lock taken twice would wait for itself.
+/// Returns what tells a file from every other one, and from itself after a change: its number and the time of its last change. `None` where the
+/// system does not say, or the file is not there.
+#[cfg(unix)]
+fn identity(path: &Path) -> Option<String> {
+    use std::os::unix::fs::MetadataExt;
+    let about = std::fs::symlink_metadata(path).ok()?;
+    about
+        .is_file()
+        .then(|| format!("{} {}.{:09}", about.ino(), about.ctime(), about.ctime_nsec()))
+}
+
+#[cfg(not(unix))]
+fn identity(_: &Path) -> Option<String> {
+    None
+}
+
+/// Lines of the notes by folder. However a folder is spelled, it is one: its lock taken twice would wait for itself.
 fn by_folder(staged: &[Staged]) -> BTreeMap<PathBuf, Vec<String>> {
     let mut folders: BTreeMap<PathBuf, Vec<String>> = BTreeMap::new();
     for file in staged {
         // A name that is no line of text cannot be noted; the file is whole or absent all the same.
         let is_line = |path: &Path| path.file_name()?.to_str().filter(|name| !name.contains('\n')).map(drop);
         let name = is_line(&file.path).and_then(|()| file.temporary.file_name()?.to_str());
+        let line = name.and_then(|name| Some(format!("{} {name}", identity(&file.temporary)?)));
         let folder = folder_of(&file.path);
         let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
-        let names = folders.entry(folder).or_default();
-        names.extend(name.map(str::to_owned));
+        let lines = folders.entry(folder).or_default();
+        lines.extend(line);
     }
     folders
 }
 
 impl Journal {
-    fn write(folder: &Path, names: &[String]) -> Result<Journal, FileError> {
+    fn write(folder: &Path, lines: &[String]) -> Result<Journal, FileError> {
         let path = folder.join(format!(".{}{ENDING}", unique()));
         // It gets its name when it is whole and locked, so that nobody takes it for one left behind.
-        let staged = Staged::write(&path, names.join("\n").as_bytes())?;
+        let staged = Staged::write(&path, lines.join("\n").as_bytes())?;
         let lock = staged.persist()?;
         Ok(Journal { path, _lock: lock })
     }
@@ -137,18 +176,29 @@ fn left_behind(path: &Path) -> Option<File> {
 const MOST_NOTED: u64 = 1 << 20;
 
 fn finish(folder: &Path, note: File) {
-    let mut names = String::new();
-    if note.take(MOST_NOTED).read_to_string(&mut names).is_err() {
+    let mut lines = String::new();
+    if note.take(MOST_NOTED).read_to_string(&mut lines).is_err() {
         return;
     }
-    for (temporary, name) in names.lines().filter_map(|line| Some((line, name_of(line)?))) {
+    for line in lines.lines() {
+        let Some((noted, temporary, name)) = noted(line) else {
+            continue;
+        };
         let (from, to) = (folder.join(temporary), folder.join(name));
-        let is_file = std::fs::symlink_metadata(&from).is_ok_and(|about| about.is_file());
+        let is_same = identity(&from).is_some_and(|identity| identity == noted);
         // What came after the killed run stays.
-        if is_file && !to.is_dir() && modified(&to) <= modified(&from) && inputs::refuse(&to).is_ok() {
+        if is_same && !to.is_dir() && modified(&to) <= modified(&from) && inputs::refuse(&to).is_ok() {
             let _ = std::fs::rename(&from, &to);
         }
     }
+}
+
+/// Splits a line of a note into the file's identity, its temporary name and its own.
+fn noted(line: &str) -> Option<(&str, &str, &str)> {
+    let (inode, rest) = line.split_once(' ')?;
+    let (changed, temporary) = rest.split_once(' ')?;
+    let identity = &line[..inode.len() + 1 + changed.len()];
+    Some((identity, temporary, name_of(temporary)?))
 }
 
 /// `None`, which is before any time, for what is not there.
