@@ -3,10 +3,11 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::run::Rgb;
 use super::run::augmentation::Augmentation;
 use super::run::judge::{SeenByDetector, look};
-use super::run::{Rgb, RunError};
 use super::setup::Setup;
+use crate::AttackError;
 use scaleproof_core::statistics::intervals_95;
 use scaleproof_pose::scene::Viewpoint;
 
@@ -46,7 +47,7 @@ pub fn judged(
     setup: &Setup,
     patterns: &[NamedCells],
     on_look: impl Fn() + Sync,
-) -> Result<Vec<JudgedPattern>, RunError> {
+) -> Result<Vec<JudgedPattern>, AttackError> {
     let view_set = &setup.view_set;
     let views: Vec<usize> = (0..view_set.views.len()).collect();
     let seen = |(_, cells): &NamedCells| {

@@ -6,7 +6,8 @@ use serde_json::json;
 
 use super::run::history::History;
 use super::run::view_set::TextureMapping;
-use super::run::{AttackConfig, Rgb, RunError, to_image};
+use super::run::{AttackConfig, Rgb, to_image};
+use crate::AttackError;
 use scaleproof_core::files;
 use scaleproof_frames::encode_rgb;
 use scaleproof_surface::pattern::card::Card;
@@ -23,7 +24,7 @@ pub fn write(
     (cells, columns, mapping): (&[Rgb], u32, TextureMapping),
     history: &History,
     config: Option<&AttackConfig>,
-) -> Result<PathBuf, RunError> {
+) -> Result<PathBuf, AttackError> {
     let path = folder.join(PATTERN);
     let png = encode_rgb(&to_image(cells, columns))?;
     let mut about = json!({

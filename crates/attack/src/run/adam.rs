@@ -3,7 +3,7 @@
 use scaleproof_gradients::adam::Adam;
 use serde::{Deserialize, Serialize};
 
-use super::Rgb;
+use super::cells::Rgb;
 
 const EPSILON: f64 = 1e-8;
 

@@ -5,8 +5,8 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use serde::{Serialize, Serializer};
 
+use super::cells::{Rgb, of_image, to_image};
 use super::resample::Resample;
-use super::{Rgb, of_image, to_image};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::statistics::normal;
 use scaleproof_frames::surrogate::projection::repeated::Jitter;

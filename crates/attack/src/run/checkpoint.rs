@@ -8,8 +8,8 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::RunError;
 use super::history::Entry;
+use crate::AttackError;
 use scaleproof_core::files;
 
 pub const FILE: &str = "checkpoint";
@@ -38,7 +38,7 @@ const LONGEST_VALUE: usize = 60;
 ///
 /// # Errors
 /// Only if the encoder fails.
-pub fn key(settings: &impl Serialize) -> Result<String, RunError> {
+pub fn key(settings: &impl Serialize) -> Result<String, AttackError> {
     let settings: BTreeMap<String, Value> = serde_json::from_value(serde_json::to_value(settings)?)?;
     let short = |value: Value| match value.to_string() {
         text if text.len() > LONGEST_VALUE => files::sha256_hex(text.as_bytes()),
@@ -81,7 +81,7 @@ impl Checkpoint {
     }
 
     /// The checkpoint in a folder; `None` where there is none.
-    pub fn load(folder: &Path, key: &str) -> Result<Option<Self>, RunError> {
+    pub fn load(folder: &Path, key: &str) -> Result<Option<Self>, AttackError> {
         let path = folder.join(FILE);
         if !path.exists() {
             return Ok(None);
@@ -91,8 +91,8 @@ impl Checkpoint {
         let parts = bytes.split_at_checked(HASH_LENGTH);
         let whole = parts.filter(|(hash, rest)| files::sha256_hex(rest).as_bytes() == *hash);
         match whole.and_then(|(_, rest)| postcard::from_bytes::<Self>(rest).ok()) {
-            None => Err(RunError::Damaged { path }),
-            Some(found) if found.key != key => Err(RunError::OtherRun {
+            None => Err(AttackError::Damaged { path }),
+            Some(found) if found.key != key => Err(AttackError::OtherRun {
                 which: which(&found.key, key),
                 path,
             }),
@@ -101,8 +101,8 @@ impl Checkpoint {
     }
 
     /// Whole or not at all. Another run may have begun in the folder meanwhile, and its checkpoint is not taken from it.
-    pub fn save(&self, folder: &Path) -> Result<(), RunError> {
-        if let Err(other @ RunError::OtherRun { .. }) = Self::load(folder, &self.key) {
+    pub fn save(&self, folder: &Path) -> Result<(), AttackError> {
+        if let Err(other @ AttackError::OtherRun { .. }) = Self::load(folder, &self.key) {
             return Err(other);
         }
         let rest = postcard::to_allocvec(self)?;

@@ -3,7 +3,7 @@
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
-use super::{batch, drawn_by};
+use super::draw::{batch, drawn_by};
 
 /// The last loss in each view; before the first look it counts as the highest.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -3,9 +3,12 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::augmentation::Augmentation;
+use super::cells::Rgb;
 use super::loss::{HIT_CONFIDENCE, HIT_IOU};
+use super::together;
 use super::view_set::ViewSet;
-use super::{Augmentation, Rgb, RunError, together};
+use crate::AttackError;
 use scaleproof_core::ap::{ImageBoxes, average_precision};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::workers;
@@ -26,7 +29,11 @@ pub struct HeldOutFigures {
 }
 
 /// Judges cells (sRGB, 0 to 1).
-pub fn judge(view_set: &ViewSet, detectors: &[Box<dyn WhiteBox>], cells: &[Rgb]) -> Result<HeldOutFigures, RunError> {
+pub fn judge(
+    view_set: &ViewSet,
+    detectors: &[Box<dyn WhiteBox>],
+    cells: &[Rgb],
+) -> Result<HeldOutFigures, AttackError> {
     judge_images(view_set, detectors, |view| {
         Ok(view_set.textured(view, cells, &Augmentation::NONE).augmented.image)
     })
@@ -36,8 +43,8 @@ pub fn judge(view_set: &ViewSet, detectors: &[Box<dyn WhiteBox>], cells: &[Rgb])
 pub fn judge_images(
     view_set: &ViewSet,
     detectors: &[Box<dyn WhiteBox>],
-    image: impl Fn(usize) -> Result<Vec<Rgb>, RunError> + Sync,
-) -> Result<HeldOutFigures, RunError> {
+    image: impl Fn(usize) -> Result<Vec<Rgb>, AttackError> + Sync,
+) -> Result<HeldOutFigures, AttackError> {
     let seen = look(view_set, detectors, &view_set.judged(), image)?;
     let mean = |of: fn(&SeenByDetector) -> f64| seen.iter().map(of).sum::<f64>() / seen.len().max(1) as f64;
     Ok(HeldOutFigures {
@@ -77,8 +84,8 @@ pub fn look(
     view_set: &ViewSet,
     detectors: &[Box<dyn WhiteBox>],
     views: &[usize],
-    image: impl Fn(usize) -> Result<Vec<Rgb>, RunError> + Sync,
-) -> Result<Vec<SeenByDetector>, RunError> {
+    image: impl Fn(usize) -> Result<Vec<Rgb>, AttackError> + Sync,
+) -> Result<Vec<SeenByDetector>, AttackError> {
     let looked = together::on_each(workers::thread_count(), detectors, views, |detectors, view| {
         let image = image(*view)?;
         let reported = |detector: &&dyn WhiteBox| {
@@ -86,7 +93,7 @@ pub fn look(
             predictions.retain(|prediction| prediction.is_reported);
             Ok(predictions)
         };
-        detectors.iter().map(reported).collect::<Result<Vec<_>, RunError>>()
+        detectors.iter().map(reported).collect::<Result<Vec<_>, AttackError>>()
     });
     let mut seen: Vec<SeenByDetector> = detectors.iter().map(|_| SeenByDetector::default()).collect();
     for (view, looks) in views.iter().zip(looked?) {
@@ -109,7 +116,7 @@ pub fn confidence(
     view_set: &ViewSet,
     detector: &dyn WhiteBox,
     (view, image, outline): (usize, &[Rgb], &BoxPx),
-) -> Result<f64, RunError> {
+) -> Result<f64, AttackError> {
     let predictions = predictions(view_set, detector, (view, image))?;
     Ok(strongest(&predictions, outline, MEETS_IOU).map_or(0.0, |i| predictions[i].confidence))
 }
@@ -119,7 +126,7 @@ fn predictions(
     view_set: &ViewSet,
     detector: &dyn WhiteBox,
     (view, image): (usize, &[Rgb]),
-) -> Result<Vec<Prediction>, RunError> {
+) -> Result<Vec<Prediction>, AttackError> {
     let failed = |reason| view_set.not_seen(view, detector, reason);
     let predictions = detector.predictions(image, view_set.size_px(view)).map_err(failed)?;
     if predictions.iter().all(|prediction| prediction.confidence.is_finite()) {

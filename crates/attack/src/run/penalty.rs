@@ -1,7 +1,7 @@
 //! What a pattern is to be besides adversarial: smooth, and near another. Values and derivatives, of
 //! cells as sRGB of 0 to 1.
 
-use super::Rgb;
+use super::cells::Rgb;
 
 /// Keeps the root differentiable where neighbours are equal.
 const SOFT: f64 = 1e-6;

@@ -3,7 +3,7 @@
 
 use serde::{Serialize, Serializer};
 
-use super::Rgb;
+use super::cells::Rgb;
 use scaleproof_surface::pattern::gamut::Gamut;
 
 /// Half a step of 8 bits: the map is linear in CIELAB over far larger ones.

@@ -1,6 +1,6 @@
 //! An image made larger or smaller about its middle and moved, as a linear map, forward and transposed.
 
-use super::Rgb;
+use super::cells::Rgb;
 use scaleproof_gradients::separable::{Separable, Tap};
 
 /// What surrounds an image that was made smaller: the grey that detectors pad with.

@@ -1,6 +1,6 @@
 //! Images looked at in parallel. Results keep the images' order, so whatever is summed over them does not depend on the number of threads.
 
-use super::RunError;
+use crate::AttackError;
 use scaleproof_core::workers;
 use scaleproof_gradients::WhiteBox;
 
@@ -9,8 +9,8 @@ pub(super) fn on_each<T: Sync, R: Send>(
     threads: usize,
     detectors: &[Box<dyn WhiteBox>],
     items: &[T],
-    look: impl Fn(&[&dyn WhiteBox], &T) -> Result<R, RunError> + Sync,
-) -> Result<Vec<R>, RunError> {
+    look: impl Fn(&[&dyn WhiteBox], &T) -> Result<R, AttackError> + Sync,
+) -> Result<Vec<R>, AttackError> {
     let shared: Option<Vec<&(dyn WhiteBox + Sync)>> = detectors.iter().map(|detector| detector.shared()).collect();
     let Some(shared) = shared else {
         let detectors: Vec<&dyn WhiteBox> = detectors.iter().map(AsRef::as_ref).collect();
