@@ -15,10 +15,7 @@ use scaleproof_surface::pattern::card::Card;
 pub const PATTERN: &str = "pattern.png";
 pub const CONFIG: &str = "config.json";
 
-/// Writes a pattern, its card, its history, and the settings of the attack where it made it. Returns where the pattern is.
-///
-/// # Errors
-/// A folder that takes no files: then it has none of them, or those it had.
+/// Writes a pattern, its card, its history, and the settings of the attack that made it, if one did. Returns the pattern's path.
 pub fn write(
     folder: &Path,
     (cells, columns, mapping): (&[Rgb], u32, TextureMapping),

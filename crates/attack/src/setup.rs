@@ -1,4 +1,4 @@
-//! What a pattern is made on and against: frames, their views, and detectors.
+//! The frames, views and detectors that a pattern is made on and judged by.
 
 use super::run::AttackConfig;
 use super::run::augmentation::Eot;

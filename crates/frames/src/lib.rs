@@ -1,31 +1,6 @@
 //! Frames: images of a model whose truth is known, in one format on disk, and [`surrogate`] renderers that predict them in any paint.
 //!
-//! A set of frames is a folder with `frames.json` and the PNG files it names (paths below the folder). All images are of `size_px`.
-//!
-//! | key of the folder | meaning |
-//! |---|---|
-//! | `format` | `"scaleproof frames 1"` |
-//! | `made_by` | the command that made the frames |
-//! | `size_px` | width, height |
-//! | `camera` | pinhole: `focal_length_px`, `centre_px` [cx, cy]; pixel (0, 0) is the centre of the top-left pixel |
-//! | `target_mm` | the point viewpoints look at, model frame |
-//! | `linear_max` | the linear light that 65535 stands for in the `linear` images |
-//! | `positions` | `low_mm`, `high_mm`: what 0 and 65535 stand for in the `positions` images; `factor`: how many of their pixels a pixel is wide |
-//! | `frames` | the list of frames |
-//!
-//! | key of a frame | meaning |
-//! |---|---|
-//! | `name` | unique |
-//! | `rgb` | 8-bit sRGB, as a detector gets it: linear light through the sRGB curve, clipped at white, no other tone mapping |
-//! | `object_mask` | 8-bit grey: the share of each pixel that the model covers (255 is all) |
-//! | `paint_mask` | the same of its paint |
-//! | `linear` | optional, 16-bit RGB: the same image in linear light before clipping |
-//! | `positions` | optional, 16-bit RGB: x, y, z of the paint, model frame, at the centre of each of `factor`² parts of a pixel |
-//! | `sides` | with `positions`, 8-bit grey: 0 no paint, else 1 + the index of the [`Side`] that the paint belongs to |
-//! | `T_camera_model` | 4×4, row by row, mm, OpenCV's camera frame |
-//! | `paint` | `{"flat_rgb": [r, g, b]}`, `{"pattern": {"file": …, "tile_mm": …}}`, `{"texture": {"file": …}}` or `"original"` |
-//! | `light`, `place` | what lights the scene, and where it is; frames of one place are not independent |
-//! | `box_xyxy_px` | optional: the box of the whole outline, corner to corner, clipped to the image |
+//! A set of frames is a folder with `frames.json`, whose keys stand in docs/guide/reference/frames-json.md, and the PNG files it names.
 //!
 //! **A flat colour** is the paint's diffuse reflectance as 8-bit sRGB: `flat_rgb` [188, 188, 188] reflects half of the light (0.5 in linear
 //! light). It is not the colour the paint has in the image. The same holds for a texture's texels and a pattern's cells, which lie on the model as

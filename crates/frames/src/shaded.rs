@@ -52,17 +52,8 @@ impl ShadedModel<'_> {
             size_px.iter().all(|px| (16..=4096).contains(px)),
             "the sides of a view are 16 to 4096 px, not {width} × {height}"
         );
-        let (low, high) = self.mesh.bounds_mm();
-        let middle = nalgebra::center(&low, &high);
         let pinhole = Pinhole::with_field_of_view(size_px, FIELD_OF_VIEW_DEG);
-        let pose = |azimuth_deg, distance_mm| {
-            let viewpoint = Viewpoint {
-                azimuth_deg,
-                pitch_deg,
-                distance_mm,
-            };
-            looking_at(&viewpoint, middle)
-        };
+        let pose = |azimuth_deg, distance_mm| pose_around(self.mesh, azimuth_deg, pitch_deg, distance_mm);
         let is_whole = |distance_mm: f64| {
             let mut turns = (0..TURNS).map(|i| 360.0 * f64::from(i) / f64::from(TURNS));
             turns.all(|turn| {
@@ -74,10 +65,10 @@ impl ShadedModel<'_> {
                 })
             })
         };
-        // The ball around the model is whole from the larger distance.
-        let radius = 0.5 * (high - low).norm();
-        let half_angle = (0.5 * FILLED * f64::from(width.min(height)) / pinhole.focal_length_px).atan();
-        let (mut near, mut far) = (radius, radius / half_angle.sin());
+        let (mut near, mut far) = (
+            radius_mm(self.mesh),
+            distance_of_whole(self.mesh, FILLED, &pinhole, size_px),
+        );
         for _ in 0..STEPS {
             let distance_mm = 0.5 * (near + far);
             if is_whole(distance_mm) {
@@ -132,6 +123,28 @@ impl ShadedModel<'_> {
         let rgb = self.textures[material].colour(self.mesh, &at);
         light::linear_of(rgb).map(|v| v * lit)
     }
+}
+
+fn radius_mm(mesh: &Mesh) -> f64 {
+    let (low, high) = mesh.bounds_mm();
+    0.5 * (high - low).norm()
+}
+
+/// Returns the distance from which the ball around a mesh takes a share of an image's shorter side, mm.
+pub(crate) fn distance_of_whole(mesh: &Mesh, share: f64, pinhole: &Pinhole, [width, height]: [u32; 2]) -> f64 {
+    let half_angle = (0.5 * share * f64::from(width.min(height)) / pinhole.focal_length_px).atan();
+    radius_mm(mesh) / half_angle.sin()
+}
+
+/// Returns the pose of a camera that looks at the middle of a mesh.
+pub(crate) fn pose_around(mesh: &Mesh, azimuth_deg: f64, pitch_deg: f64, distance_mm: f64) -> Rigid {
+    let (low, high) = mesh.bounds_mm();
+    let viewpoint = Viewpoint {
+        azimuth_deg,
+        pitch_deg,
+        distance_mm,
+    };
+    looking_at(&viewpoint, nalgebra::center(&low, &high))
 }
 
 /// Puts views of one size in rows of up to `columns`, on white.

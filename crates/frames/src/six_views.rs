@@ -1,15 +1,12 @@
 //! A model from its six sides, with its paint in a colour of its own: to see whether the axes and the paint of a mesh are right.
 
 use image::{Rgb, RgbImage};
-use nalgebra::Point3;
 
 use crate::Pinhole;
 use crate::raster::Raster;
-use crate::shaded::{FIELD_OF_VIEW_DEG, ShadedModel, side_by_side};
+use crate::shaded::{FIELD_OF_VIEW_DEG, ShadedModel, distance_of_whole, pose_around, side_by_side};
 use scaleproof_core::geometry::Rigid;
 use scaleproof_photo::draw::{LabelAnchor, Lettering, label};
-use scaleproof_pose::scene::Viewpoint;
-use scaleproof_pose::simulate::looking_at;
 use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::texture::Texture;
 
@@ -25,6 +22,8 @@ const SIDES: [(&str, f64, f64); 6] = [
 ];
 /// Width and height of a view, pixels.
 const SIZE_PX: [u32; 2] = [400, 300];
+/// Share of a view's height that the ball around the model takes.
+const FILLED: f64 = 0.92;
 const BELOW: &str = "bottom";
 const COLUMNS: usize = 3;
 const PAINT: [u8; 3] = [240, 130, 20];
@@ -32,20 +31,9 @@ const REST: [u8; 3] = [110; 3];
 
 /// Returns the pose of each view, from so far that the whole model is in it, and the camera.
 fn poses(mesh: &Mesh) -> (Vec<(&'static str, Rigid)>, Pinhole) {
-    let (low, high) = mesh.bounds_mm();
     let pinhole = Pinhole::with_field_of_view(SIZE_PX, FIELD_OF_VIEW_DEG);
-    let half = 0.46 * f64::from(SIZE_PX[1]) / pinhole.focal_length_px;
-    let middle: Point3<f64> = nalgebra::center(&low, &high);
-    let radius = 0.5 * (high - low).norm();
-    let distance_mm = radius / half.atan().sin();
-    let pose = |(name, azimuth_deg, pitch_deg): (&'static str, f64, f64)| {
-        let viewpoint = Viewpoint {
-            azimuth_deg,
-            pitch_deg,
-            distance_mm,
-        };
-        (name, looking_at(&viewpoint, middle))
-    };
+    let distance_mm = distance_of_whole(mesh, FILLED, &pinhole, SIZE_PX);
+    let pose = |(name, azimuth, pitch)| (name, pose_around(mesh, azimuth, pitch, distance_mm));
     (SIDES.map(pose).to_vec(), pinhole)
 }
 

@@ -27,7 +27,7 @@ use scaleproof_surface::pattern::palette::Painted;
 /// Number of judgements in a run, about.
 const JUDGED_TIMES: u32 = 12;
 
-/// An attack under way.
+/// Attack under way.
 pub struct Attack<'a> {
     view_set: &'a ViewSet,
     detectors: &'a [Box<dyn WhiteBox>],
@@ -38,7 +38,7 @@ pub struct Attack<'a> {
     threads: usize,
 }
 
-/// The state of the cells.
+/// State of an attack between two steps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AttackState {
     pub cells: Vec<Rgb>,
@@ -47,10 +47,10 @@ pub struct AttackState {
     pub difficulty: Difficulty,
 }
 
-/// What detectors make of one image.
+/// Losses of one image, and their gradient.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LossAndGradient {
-    /// The loss of each detector: [`loss::from_floor`] of the most confident box that meets the model; 0 where none does.
+    /// Loss of each detector: [`loss::from_floor`] of the most confident box that meets the model; 0 where none does.
     pub losses: Vec<f64>,
     /// `Σ C` of these boxes.
     pub confidence: f64,
@@ -59,10 +59,7 @@ pub struct LossAndGradient {
 }
 
 impl<'a> Attack<'a> {
-    /// Begins, or goes on from the checkpoint in `folder`.
-    ///
-    /// # Errors
-    /// A checkpoint that is damaged or of another run.
+    /// Begins an attack, or goes on from the checkpoint in `folder`.
     pub fn begin(
         view_set: &'a ViewSet,
         detectors: &'a [Box<dyn WhiteBox>],
@@ -104,16 +101,13 @@ impl<'a> Attack<'a> {
         })
     }
 
-    /// Sets the number of threads, else one a core; the pattern does not depend on it.
+    /// Sets the number of threads, by default one a core; the pattern does not depend on it.
     pub fn over_threads(self, threads: usize) -> Self {
         Self { threads, ..self }
     }
 
-    /// Steps until it is done; saves at most half a minute apart, and before it gives up. `on_step` gets the steps done
-    /// and the last entry.
-    ///
-    /// # Errors
-    /// A loss that is not a number, a detector that cannot look, a folder that takes no files.
+    /// Takes all steps; saves at least every half minute, and before it fails. Returns the pattern's cells and the history. `on_step` is called with
+    /// the steps done and the last entry.
     pub fn run(
         mut self,
         folder: &Path,
@@ -145,8 +139,8 @@ impl<'a> Attack<'a> {
         Ok((finished(&self.state.cells, self.config), self.checkpoint.history))
     }
 
-    /// Judges the pattern of the last step, where that step is one of those whose pattern is judged; whether it did. The step itself is kept
-    /// when judging fails.
+    /// Judges the pattern of the last step, where that step is one of those whose pattern is judged, and returns true if it did. The step itself is
+    /// kept when judging fails.
     fn judge_if_due(&mut self, folder: &Path) -> Result<bool, AttackError> {
         let (done, steps) = (self.checkpoint.steps, self.config.steps);
         let is_due = done > 0 && (done == steps || (done - 1) % (steps / JUDGED_TIMES).max(1) == 0);
@@ -162,7 +156,7 @@ impl<'a> Attack<'a> {
         Ok(true)
     }
 
-    /// Keeps what was reached before an error is passed on.
+    /// Saves before an error is passed on.
     fn saved_if_failed<T>(&mut self, result: Result<T, AttackError>, folder: &Path) -> Result<T, AttackError> {
         if result.is_err() {
             self.save(folder)?;
@@ -175,13 +169,12 @@ impl<'a> Attack<'a> {
         self.checkpoint.save(folder)
     }
 
-    /// One minibatch, one step of Adam.
+    /// Takes one step of Adam on one minibatch.
     fn step(&mut self, step: u32) -> Result<Entry, AttackError> {
         let (config, state) = (self.config, &mut self.state);
         let mut rng = drawn_by(config.seed, step);
         let trained = self.view_set.trained();
-        let batch = (config.batch, config.hard);
-        let views = state.difficulty.batch(&trained, batch, config.seed, step);
+        let views = (state.difficulty).batch(&trained, config.batch, config.hard, config.seed, step);
         let weights = state.weights.weights(config.against);
         let count = views.len();
         let (mut losses, mut confidence) = (vec![0.0; self.detectors.len()], 0.0);
@@ -207,7 +200,6 @@ impl<'a> Attack<'a> {
         if let Some(printer) = &config.printer {
             gradient = printer.vjp(&state.cells, &gradient);
         }
-        // What the pattern is to be besides adversarial.
         let mut penalties = vec![[0.0; 3]; state.cells.len()];
         if config.smooth > 0.0 {
             let (_, derivative) = penalty::smooth(&state.cells, config.cells as usize);
@@ -230,7 +222,7 @@ impl<'a> Attack<'a> {
     }
 }
 
-/// The loss of one view, and its derivative with respect to the cells.
+/// Computes the losses of one view, and their gradient with respect to the cells.
 pub fn loss_and_gradient<'a>(
     view_set: &ViewSet,
     detectors: &[impl Deref<Target = dyn WhiteBox + 'a>],
@@ -267,7 +259,7 @@ pub fn loss_and_gradient<'a>(
     })
 }
 
-/// The cells as they are on the model: as the printer makes them, or in their colours.
+/// Returns the cells as they are on the model: printed, or in their colours.
 fn shown<'a>(cells: &'a [Rgb], config: &AttackConfig) -> Cow<'a, [Rgb]> {
     match &config.printer {
         Some(printer) => Cow::Owned(printer.printed(cells)),
@@ -296,7 +288,7 @@ fn in_colours<'a>(cells: &'a [Rgb], config: &AttackConfig) -> Cow<'a, [Rgb]> {
     }
 }
 
-/// The cells as they are kept: in their colours, in 8 bits.
+/// Returns the cells of the result: in their colours, in 8 bits.
 fn finished(cells: &[Rgb], config: &AttackConfig) -> Vec<Rgb> {
     let in_8_bits = |cell: &Rgb| cell.map(|v| (255.0 * v).round() / 255.0);
     in_colours(cells, config).iter().map(in_8_bits).collect()

@@ -10,7 +10,7 @@ use super::weights::Against;
 use scaleproof_gradients::Boxes;
 use scaleproof_pose::scene::Classes;
 
-/// Cells that a pattern is kept near to, by the mean squared distance.
+/// Penalty on the mean squared distance to other cells.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Near {
     pub weight: f64,
@@ -18,18 +18,18 @@ pub struct Near {
     pub cells: Vec<Rgb>,
 }
 
-/// The colours that cells have on the model.
+/// Colours of cells on the model.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CellColours {
     Free,
     /// The nearest of these, 8-bit sRGB.
     Palette(Vec<[u8; 3]>),
-    /// At most so many colours, which follow the cells: their clusters.
+    /// Colours of clusters of the cells, at most this number.
     Own(usize),
 }
 
-/// Everything a run depends on besides the frames' and detectors' content, whose hashes are in it.
+/// Settings of an attack: all that a run depends on, frames and detectors by their hashes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AttackConfig {
     /// Cells along each side of the pattern.
@@ -47,24 +47,24 @@ pub struct AttackConfig {
     pub boxes: Boxes,
     /// The confidence below which the loss fades (`loss::from_floor`).
     pub floor: f64,
-    /// What is made small of the losses of several detectors.
+    /// Objective of several detectors' losses.
     pub against: Against,
-    /// The share of a step's views that are drawn for how well the model is still seen in them.
+    /// Share of a step's views that are drawn for how well the model is still seen in them.
     pub hard: f64,
     /// Seed of the first pattern, the batches and the augmentations.
     pub seed: u64,
-    /// How the pattern lies on the model.
+    /// Mapping of the pattern onto the model.
     #[serde(rename = "laying")]
     pub mapping: TextureMapping,
     /// The augmentations that expectation over transformation draws from.
     pub eot: Eot,
     /// Weight of the total variation.
     pub smooth: f64,
-    /// What the pattern is kept near to.
+    /// Cells that the pattern is kept near to.
     pub near: Option<Near>,
-    /// The printer that the pattern is optimised for: cells are what is requested of it.
+    /// Printer that the pattern is optimised for: cells are the requested colours.
     pub printer: Option<PrinterMap>,
-    /// What colours cells have.
+    /// Colours of cells.
     pub colours: CellColours,
     /// Darkest and lightest value of a cell, 8-bit sRGB.
     pub range: [u8; 2],
@@ -77,7 +77,7 @@ pub struct AttackConfig {
 }
 
 impl AttackConfig {
-    /// The usual attack on what counts as the model by these labels. Frames and detectors are named by
+    /// Returns the default attack on the model as these labels count it. Frames and detectors are named by
     /// [`Setup::named`](crate::setup::Setup::named).
     pub fn usual(classes: Classes) -> Self {
         Self {

@@ -4,7 +4,7 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg32;
 
-/// Views of a step: every view comes once before any comes again, in a new random order each time.
+/// Draws the views of a step: every view comes once before any comes again, in a new random order each time.
 pub fn batch(views: &[usize], size: u32, seed: u64, step: u32) -> Vec<usize> {
     let size = (size as usize).min(views.len());
     let shuffled = |round: usize| {
@@ -21,7 +21,7 @@ pub fn batch(views: &[usize], size: u32, seed: u64, step: u32) -> Vec<usize> {
     (first..first + size).map(at).collect()
 }
 
-/// A generator that depends on the seed and the step alone, so that a resumed run draws as one that never stopped.
+/// Returns a generator that depends on the seed and the step alone, so that a resumed run draws as one that never stopped.
 pub fn drawn_by(seed: u64, step: u32) -> Pcg32 {
     Pcg32::seed_from_u64(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(u64::from(step)))
 }

@@ -1,5 +1,5 @@
-//! How often a pattern is still detected, by the surrogate renderer's images of the views held out. This guides; what
-//! counts are new images, rendered or photographed.
+//! Detections of a pattern in the surrogate renderer's images of the views held out. They guide; what counts are new images, rendered or
+//! photographed.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,7 +15,7 @@ use scaleproof_core::workers;
 use scaleproof_detect::{CandidateBox, SCORE_FLOOR, suppress};
 use scaleproof_gradients::{MEETS_IOU, Prediction, WhiteBox, strongest};
 
-/// What the detectors say of predicted images of held-out views: means over views and detectors.
+/// Figures of predicted images of held-out views: means over views and detectors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct HeldOutFigures {
     /// How many held-out views were predicted.
@@ -28,7 +28,7 @@ pub struct HeldOutFigures {
     pub mean_confidence: f64,
 }
 
-/// Judges cells (sRGB, 0 to 1).
+/// Judges cells (sRGB, 0 to 1) by the views held out.
 pub fn judge(
     view_set: &ViewSet,
     detectors: &[Box<dyn WhiteBox>],
@@ -39,7 +39,7 @@ pub fn judge(
     })
 }
 
-/// Judges whatever is in the images of the views held out.
+/// Judges any images of the views held out.
 pub fn judge_images(
     view_set: &ViewSet,
     detectors: &[Box<dyn WhiteBox>],
@@ -55,6 +55,7 @@ pub fn judge_images(
     })
 }
 
+/// Detections of one detector in some views.
 #[derive(Default)]
 pub struct SeenByDetector {
     /// Confidence of the most confident box on the model, in each view; 0 where there is none.
@@ -63,12 +64,12 @@ pub struct SeenByDetector {
 }
 
 impl SeenByDetector {
-    /// AP@0.5 as `score` computes it by default.
+    /// Computes AP@0.5 as `score` does by default.
     pub fn ap50(&self) -> f64 {
         average_precision(&self.boxes, HIT_IOU).map_or(0.0, |found| found.ap)
     }
 
-    /// Share of images with a box on the model (IoU ≥ 0.5) of confidence ≥ 0.5.
+    /// Returns the share of images with a box on the model (IoU ≥ 0.5) of confidence ≥ 0.5.
     pub fn hit_rate(&self) -> f64 {
         let hits = self.confidences.iter().filter(|c| **c >= HIT_CONFIDENCE);
         hits.count() as f64 / self.confidences.len().max(1) as f64
@@ -79,7 +80,7 @@ impl SeenByDetector {
     }
 }
 
-/// Lets every detector look at some views.
+/// Runs every detector on some views.
 pub fn look(
     view_set: &ViewSet,
     detectors: &[Box<dyn WhiteBox>],
@@ -111,7 +112,7 @@ pub fn look(
     Ok(seen)
 }
 
-/// The highest confidence of a box that meets the model; 0 where there is none.
+/// Returns the highest confidence of a box that meets the model; 0 where there is none.
 pub fn confidence(
     view_set: &ViewSet,
     detector: &dyn WhiteBox,
@@ -121,7 +122,7 @@ pub fn confidence(
     Ok(strongest(&predictions, outline, MEETS_IOU).map_or(0.0, |i| predictions[i].confidence))
 }
 
-/// What a detector says of an image, every confidence a number.
+/// Runs a detector on an image; every confidence is a number.
 fn predictions(
     view_set: &ViewSet,
     detector: &dyn WhiteBox,
@@ -136,7 +137,7 @@ fn predictions(
     }
 }
 
-/// The boxes that scoring would see.
+/// Returns the boxes, with their scores, that scoring would see.
 fn detections(predictions: &[Prediction], nms_iou: f64) -> Vec<(f64, BoxPx)> {
     let candidates = predictions
         .iter()

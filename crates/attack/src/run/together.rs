@@ -1,10 +1,10 @@
-//! Images looked at in parallel. Results keep the images' order, so whatever is summed over them does not depend on the number of threads.
+//! Detectors on images in parallel. Results keep the images' order, so whatever is summed over them does not depend on the number of threads.
 
 use crate::AttackError;
 use scaleproof_core::workers;
 use scaleproof_gradients::WhiteBox;
 
-/// Looks at every item: over so many threads where all detectors let several look at a time, else one after the other.
+/// Evaluates every item: over `threads` threads where all detectors can be shared between threads, else one after the other.
 pub(super) fn on_each<T: Sync, R: Send>(
     threads: usize,
     detectors: &[Box<dyn WhiteBox>],

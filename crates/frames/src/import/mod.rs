@@ -7,10 +7,8 @@
 //! DIR/mask/NAME.png   the semantic or instance image of the same view: colours name what is seen
 //! ```
 //!
-//! `object_rgb` lists the mask's colours of the model with all its parts; `paint_rgb`, when given, those of its paint (else all of the
-//! object counts as paint). `target_height_m` is half the model's height. `poses.csv` has a line a frame: `paint` is a flat colour in hex
-//! (`808080`) or `original`; `light` and `place` as in [`frames`](crate::frames). The poses of camera and vehicle
-//! ([`carla::Transform`]) are those of CARLA's `get_transform()`: metres and degrees, x forward, y right, z up, left-handed.
+//! Keys and columns stand in docs/guide/reference/frames-json.md. The poses of camera and vehicle ([`carla::Transform`]) are those of CARLA's
+//! `get_transform()`: metres and degrees, x forward, y right, z up, left-handed.
 //!
 //! A semantic mask tells no part of a pixel, so coverage is 0 or 1. No linear light comes with such images.
 
@@ -133,7 +131,8 @@ pub fn import(folder: &Path, output: &Path, made_by: &str) -> Result<Vec<(PathBu
             let message = format!("{name} has another size than the first frame: frames have one camera");
             return Err(FileError::content(&folder.join("rgb"), message).into());
         }
-        let [object, paint_mask] = masks(&about, &folder.join(format!("mask/{name}.png")), &rgb)?;
+        let path = folder.join(format!("mask/{name}.png"));
+        let [object, paint_mask] = masks(&about, &Photo::open(&path)?.rgb(1)?, &rgb).map_err(of_file(&path))?;
         let frame = Frame {
             positions: None,
             sides: None,
@@ -197,14 +196,13 @@ fn image(folder: &Path, name: &str) -> Result<RgbImage, FramesError> {
     Ok(Photo::open(there)?.rgb(1)?)
 }
 
-/// Reads the masks of object and paint.
-fn masks(about: &About, path: &Path, rgb: &RgbImage) -> Result<[GrayImage; 2], FramesError> {
-    let mask = Photo::open(path)?.rgb(1)?;
+/// Makes the masks of object and paint of a semantic or instance image.
+fn masks(about: &About, mask: &RgbImage, rgb: &RgbImage) -> Result<[GrayImage; 2], Message> {
     let ((width, height), (across, down)) = (mask.dimensions(), rgb.dimensions());
-    if (width, height) != (across, down) {
-        let message = format!("the mask has {width}×{height} pixels and its image {across}×{down}");
-        return Err(FileError::content(path, message).into());
-    }
+    ensure!(
+        (width, height) == (across, down),
+        "the mask has {width}×{height} pixels and its image {across}×{down}"
+    );
     let covered = |colours: &[[u8; 3]]| {
         let level = |x, y| u8::from(colours.contains(&mask.get_pixel(x, y).0)) * 255;
         GrayImage::from_fn(width, height, |x, y| Luma([level(x, y)]))
@@ -213,12 +211,10 @@ fn masks(about: &About, path: &Path, rgb: &RgbImage) -> Result<[GrayImage; 2], F
     let paints = [("paint_rgb", &about.paint_rgb), ("object_rgb", &about.object_rgb)];
     let (key, paint_rgb) = paints[usize::from(about.paint_rgb.is_empty())];
     let paint = covered(paint_rgb);
-    if paint.pixels().all(|p| p.0[0] == 0) {
-        let message = format!(
-            "no pixel has a colour of {key}: name the model's colours in this mask, or take the frame out of poses.csv"
-        );
-        return Err(FileError::content(path, message).into());
-    }
+    ensure!(
+        paint.pixels().any(|p| p.0[0] > 0),
+        "no pixel has a colour of {key}: name the model's colours in this mask, or take the frame out of poses.csv"
+    );
     let parts: Vec<[u8; 3]> = about.object_rgb.iter().chain(&about.paint_rgb).copied().collect();
     Ok([covered(&parts), paint])
 }

@@ -8,6 +8,7 @@ use zip::ZipArchive;
 
 use crate::FramesError;
 use scaleproof_core::files::{self, FileError};
+use scaleproof_core::message::{Message, ensure, message};
 
 /// Most bytes of a file, and of an array in it: more than twice the largest image that is read.
 const MOST_BYTES: u64 = 32 << 20;
@@ -47,30 +48,37 @@ impl Archive {
             return Err(FileError::content(&self.path, message).into());
         }
         let wrong = |reason: &str| FileError::content(&self.path, format!("the array {name} {reason}"));
-        let damaged = |e| wrong(&format!("is damaged ({e}): save it again"));
         let mut bytes = Vec::new();
         let entry = self.zip.by_name(&format!("{name}.npy"));
         let entry = entry.map_err(|e| wrong(&format!("cannot be read ({e})")))?;
-        entry.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(damaged)?;
-        if bytes.len() as u64 > MOST_BYTES {
-            return Err(wrong(&format!("has more than {} MB", MOST_BYTES >> 20)).into());
-        }
-        if header_bytes(&bytes) > MOST_HEADER_BYTES {
-            return Err(wrong("has a header that NumPy does not write").into());
-        }
-        let file = NpyFile::new(Cursor::new(bytes)).map_err(damaged)?;
-        if file.uses_pickled_array() {
-            return Err(wrong("holds Python objects: save numbers").into());
-        }
-        if file.order() == Order::Fortran {
-            return Err(wrong("is in Fortran's order: save np.ascontiguousarray of it").into());
-        }
+        let read = entry.take(MOST_BYTES + 1).read_to_end(&mut bytes);
+        read.map_err(|e| wrong(&damaged(&e)))?;
         Ok(Array {
+            file: array_of(bytes).map_err(|reason| wrong(&reason.to_string()))?,
             path: self.path.clone(),
             name: name.to_owned(),
-            file,
         })
     }
+}
+
+fn damaged(e: &std::io::Error) -> String {
+    format!("is damaged ({e}): save it again")
+}
+
+/// Reads the header of an array; errors are the end of a sentence about it.
+fn array_of(bytes: Vec<u8>) -> Result<NpyFile<Cursor<Vec<u8>>>, Message> {
+    ensure!(
+        bytes.len() as u64 <= MOST_BYTES,
+        "has more than {} MB",
+        MOST_BYTES >> 20
+    );
+    let is_short = header_bytes(&bytes) <= MOST_HEADER_BYTES;
+    ensure!(is_short, "has a header that NumPy does not write");
+    let file = NpyFile::new(Cursor::new(bytes)).map_err(|e| message!("{}", damaged(&e)))?;
+    ensure!(!file.uses_pickled_array(), "holds Python objects: save numbers");
+    let is_rows = file.order() != Order::Fortran;
+    ensure!(is_rows, "is in Fortran's order: save np.ascontiguousarray of it");
+    Ok(file)
 }
 
 /// The most names that a message lists.
@@ -108,7 +116,7 @@ impl Array {
             .data()
             .map_err(|_| wrong(format!("holds {kind} and must hold {wanted}")))?;
         let all: std::io::Result<Vec<T>> = numbers.collect();
-        Ok(all.map_err(|e| wrong(format!("is damaged ({e}): save it again")))?)
+        Ok(all.map_err(|e| wrong(damaged(&e)))?)
     }
 
     /// Reads floating-point numbers of 32 or 64 bits.

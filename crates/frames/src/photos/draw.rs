@@ -4,7 +4,6 @@ use image::{GrayImage, Luma, Rgb, RgbImage};
 use nalgebra::Point3;
 
 use super::located::FlatPhoto;
-use super::request::{FACTOR, PhotoFramesRequest};
 use super::views::PhotosOfView;
 use crate::drawn::{DrawnMesh, level, number, seen_box};
 use crate::raster::{Raster, outline, ray};
@@ -12,7 +11,26 @@ use crate::{FramesError, Pinhole, light, reduced};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::message::ensure;
 use scaleproof_photo::Photo;
+use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::world_aligned::Side;
+
+/// Samples of the surface along each side of a pixel.
+pub const FACTOR: u32 = 3;
+
+/// The settings of frames from photos.
+#[derive(Debug, Clone)]
+pub struct PhotoFramesRequest {
+    pub mesh: Mesh,
+    /// Indices of the materials that are the paint; all when empty.
+    pub materials: Vec<usize>,
+    pub target_mm: Point3<f64>,
+    /// Colours of the paint, 8-bit sRGB of its reflectance. Every view has all of them.
+    pub flats: Vec<[u8; 3]>,
+    /// Width of the frames, px.
+    pub width_px: u32,
+    /// The command that makes the frames.
+    pub made_by: String,
+}
 
 /// Light that may have been clipped: level 253.7 and more.
 const CLIPPED: f64 = 0.99;

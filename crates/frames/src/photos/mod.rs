@@ -11,16 +11,15 @@
 //! like the neighbours' paint, or else as in the reference photo.
 
 pub mod contrast; // whether photos show the colours that they are said to show
-mod draw; // the images of one view
+mod draw; // the settings, and the images of one view
 mod exposure; // a photo brought to the exposure of another
 mod located; // located photos, and those that make no frames
 mod pinhole; // the pinhole camera inside the images of a camera
-mod request; // the settings
 pub mod sessions; // photos of sessions, located by their tags
 mod views; // photos of one place and bin, one in each colour
 
+pub use draw::{FACTOR, PhotoFramesRequest};
 pub use located::{FlatPhoto, LeftOutPhoto, TagPaper};
-pub use request::{FACTOR, PhotoFramesRequest};
 
 use std::path::{Path, PathBuf};
 

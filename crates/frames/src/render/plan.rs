@@ -293,12 +293,11 @@ impl RenderPlan {
 
 /// Returns a viewpoint as part of a sentence.
 fn in_words(viewpoint: &Viewpoint) -> String {
-    let Viewpoint {
-        azimuth_deg,
-        pitch_deg,
-        distance_mm,
-    } = viewpoint;
-    format!("azimuth {azimuth_deg}°, pitch {pitch_deg}°, {distance_mm} mm")
+    let v = viewpoint;
+    format!(
+        "azimuth {}°, pitch {}°, {} mm",
+        v.azimuth_deg, v.pitch_deg, v.distance_mm
+    )
 }
 
 fn check(request: &RenderRequest) -> Result<(), Message> {

@@ -11,14 +11,12 @@
 //! | `affine-curve` | T⁻¹(x) = a + b·ρ, in light, with the image's tone curve T fitted ([`Tone`]) |
 //! | `quadratic-curve` | T⁻¹(x) = a + b·ρ + c·ρ²: light that goes to and fro between the paint's parts as well |
 
-mod closed_form; // the choice of closed forms
 mod flat_image; // the image of a view in a flat colour
 mod interface; // the interface of all surrogate renderers
-mod per_pixel; // polynomials per pixel and channel
+mod per_pixel; // closed forms: polynomials per pixel and channel
 mod tone; // the tone curve of an image
 
-pub use closed_form::ClosedForm;
 pub use flat_image::FlatImage;
 pub use interface::Renderer;
-pub use per_pixel::PerPixel;
+pub use per_pixel::{ClosedForm, PerPixel};
 pub use tone::Tone;
