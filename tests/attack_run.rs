@@ -166,7 +166,7 @@ fn view_set_for(laying: TextureMapping, eot: &Eot) -> ViewSet {
         rows: CELLS,
         cell_mm: 40.0,
     };
-    ViewSet::open(&[stored()], grid, (laying, eot), || {}).unwrap()
+    ViewSet::open(&[stored()], grid, laying, eot, || {}).unwrap()
 }
 
 fn detectors(gain: f64, view_set: &ViewSet) -> Vec<Box<dyn WhiteBox>> {
@@ -682,7 +682,7 @@ fn frames_of_several_models_are_looked_at_together_each_at_its_size() {
         rows: CELLS,
         cell_mm: 40.0,
     };
-    let open = |sets: &[FrameSet]| ViewSet::open(sets, grid, (TextureMapping::World, &Eot::NONE), || {}).unwrap();
+    let open = |sets: &[FrameSet]| ViewSet::open(sets, grid, TextureMapping::World, &Eot::NONE, || {}).unwrap();
     let alone = [open(&[stored()]), open(std::slice::from_ref(&attack))];
     let sizes = [stored().list.size_px, attack.list.size_px];
     let both = open(&[stored(), attack]);
@@ -1105,7 +1105,7 @@ fn grazing_views_give_numbers_and_the_right_gradient() {
     for laying in [TextureMapping::World, TextureMapping::Repeated] {
         let folder = tempfile::tempdir().unwrap();
         let set = roof_seen_from(7.0, folder.path());
-        let view_set = ViewSet::open(std::slice::from_ref(&set), grid, (laying, &Eot::NONE), || {}).unwrap();
+        let view_set = ViewSet::open(std::slice::from_ref(&set), grid, laying, &Eot::NONE, || {}).unwrap();
         let detectors = detectors(30.0, &view_set);
         let cells = random_cells(5);
         let at = |cells: &[Rgb]| {
@@ -1132,7 +1132,7 @@ fn grazing_views_give_numbers_and_the_right_gradient() {
         }
         // From below, it is not seen.
         let below = tempfile::tempdir().unwrap();
-        let none = ViewSet::open(&[roof_seen_from(4.0, below.path())], grid, (laying, &Eot::NONE), || {});
+        let none = ViewSet::open(&[roof_seen_from(4.0, below.path())], grid, laying, &Eot::NONE, || {});
         assert!(matches!(none.err().unwrap(), AttackError::NothingSeen));
     }
 }
@@ -1254,7 +1254,8 @@ fn a_view_without_the_model_is_left_out_and_frames_without_any_are_refused() {
         ViewSet::open(
             &[FrameSet::open(copy.path()).unwrap()],
             grid,
-            (TextureMapping::World, &Eot::NONE),
+            TextureMapping::World,
+            &Eot::NONE,
             || {},
         )
     };

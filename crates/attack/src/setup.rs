@@ -34,7 +34,7 @@ impl Setup {
         let grid = Grid::new(mapping.grid(columns), tile_mm);
         Ok(Self {
             tile_mm,
-            view_set: ViewSet::open(&frames, grid, (mapping, eot), on_view)?,
+            view_set: ViewSet::open(&frames, grid, mapping, eot, on_view)?,
             frames_sha256: sha256(&frames),
             frames,
             detectors,

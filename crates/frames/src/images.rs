@@ -16,12 +16,12 @@ pub type Coverage = GrayImage;
 
 /// Encodes an 8-bit RGB image as PNG.
 pub fn encode_rgb(image: &RgbImage) -> Result<Vec<u8>, FramesError> {
-    png(image.as_raw(), image.dimensions(), ExtendedColorType::Rgb8)
+    png(image.as_raw(), image.dimensions().into(), ExtendedColorType::Rgb8)
 }
 
 /// Encodes an 8-bit grey image as PNG.
 pub fn encode_grey(image: &GrayImage) -> Result<Vec<u8>, FramesError> {
-    png(image.as_raw(), image.dimensions(), ExtendedColorType::L8)
+    png(image.as_raw(), image.dimensions().into(), ExtendedColorType::L8)
 }
 
 /// Reduces an image in linear light by the mean of each square of `factor`² pixels, as a camera with fewer pixels sees it. Pixels at the right and
@@ -68,12 +68,12 @@ pub fn encode_positions(
 }
 
 /// Encodes levels of 16 bits as an RGB image.
-fn wide(levels: impl Iterator<Item = u16>, [width, height]: [u32; 2]) -> Result<Vec<u8>, FramesError> {
+fn wide(levels: impl Iterator<Item = u16>, size_px: [u32; 2]) -> Result<Vec<u8>, FramesError> {
     let bytes: Vec<u8> = levels.flat_map(u16::to_ne_bytes).collect();
-    png(&bytes, (width, height), ExtendedColorType::Rgb16)
+    png(&bytes, size_px, ExtendedColorType::Rgb16)
 }
 
-fn png(bytes: &[u8], (width, height): (u32, u32), kind: ExtendedColorType) -> Result<Vec<u8>, FramesError> {
+fn png(bytes: &[u8], [width, height]: [u32; 2], kind: ExtendedColorType) -> Result<Vec<u8>, FramesError> {
     let mut file = Vec::new();
     PngEncoder::new_with_quality(&mut file, CompressionType::Best, FilterType::Adaptive)
         .write_image(bytes, width, height, kind)

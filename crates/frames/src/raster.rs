@@ -70,7 +70,7 @@ impl<'a> Raster<'a> {
     /// Draws an image of this size (width, height; px); `None` when part of the mesh is not before the camera.
     pub fn image(mesh: &'a Mesh, pose: &Rigid, pinhole: &Pinhole, size: [usize; 2]) -> Option<Self> {
         let corners = corners(mesh, pose, pinhole)?;
-        Some(Self::drawn((mesh, &corners), pose, pinhole, size.map(|side| (0, side))))
+        Some(Self::drawn(mesh, &corners, pose, pinhole, size.map(|side| (0, side))))
     }
 
     /// Draws the whole mesh, also what lies beyond the image, up to its width and height on each side.
@@ -84,15 +84,10 @@ impl<'a> Raster<'a> {
             (low, (high - low) as usize)
         };
         let window = [span(around.x1, around.x2, size[0]), span(around.y1, around.y2, size[1])];
-        Some(Self::drawn((mesh, &corners), pose, pinhole, window))
+        Some(Self::drawn(mesh, &corners, pose, pinhole, window))
     }
 
-    fn drawn(
-        (mesh, corners): (&'a Mesh, &[Corner]),
-        pose: &Rigid,
-        pinhole: &Pinhole,
-        window: [(i64, usize); 2],
-    ) -> Self {
+    fn drawn(mesh: &'a Mesh, corners: &[Corner], pose: &Rigid, pinhole: &Pinhole, window: [(i64, usize); 2]) -> Self {
         let mut raster = Self {
             mesh,
             pose: *pose,

@@ -106,8 +106,8 @@ impl<'a> BlackBox<'a> {
             let textured = self.view_set.textured(view, cells, draw);
             let mut sum = 0.0;
             for detector in self.detectors {
-                let seen = (view, textured.augmented.image.as_slice(), &textured.outline);
-                let score = confidence(self.view_set, detector.as_ref(), seen);
+                let (image, outline) = (&textured.augmented.image, &textured.outline);
+                let score = confidence(self.view_set, detector.as_ref(), view, image, outline);
                 if score.is_err() {
                     self.save()?;
                 }

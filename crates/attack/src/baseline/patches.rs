@@ -59,11 +59,8 @@ pub fn paint(
     let base = light::linear_of(base_rgb);
     let (factor, [width, height]) = (about.factor as usize, set.list.size_px.map(|px| px as usize));
     let seen_colour = |point: &SurfacePoint| {
-        patches
-            .iter()
-            .rev()
-            .find_map(|patch| colour(patch, point))
-            .unwrap_or(base)
+        let found = patches.iter().rev().find_map(|patch| colour(patch, point));
+        found.unwrap_or(base)
     };
     let pixel = |i: usize| {
         let (x, y) = (i % width, i / width);

@@ -57,7 +57,8 @@ struct Share {
 /// it was made for, where they are known.
 pub fn figures_of(
     evaluation: &Path,
-    (pattern, tile_mm): (&Path, f64),
+    pattern: &Path,
+    tile_mm: f64,
     classes: Option<&Classes>,
 ) -> Result<Vec<RenderedFigures>, AttackError> {
     let summary = summary_of(evaluation)?;
@@ -70,10 +71,8 @@ pub fn figures_of(
     }
     let sha256 = files::sha256_hex(&files::read(pattern)?);
     let variant = variant(evaluation, &sha256, tile_mm);
-    let rows = summary
-        .results
-        .into_iter()
-        .filter(|row| Some(&row.variant) == variant.as_ref());
+    let rows = summary.results.into_iter();
+    let rows = rows.filter(|row| Some(&row.variant) == variant.as_ref());
     let figures = rows.map(|row| RenderedFigures {
         detector: row.detector,
         photos: row.overall.photos,

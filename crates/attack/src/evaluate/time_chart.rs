@@ -56,10 +56,8 @@ pub fn draw(runs: &[RenderedRun]) -> String {
 
 fn of_detector(detector: &str, runs: &[RenderedRun], methods: &[String]) -> Vec<Dot> {
     let figures = |run: &RenderedRun| {
-        run.rendered
-            .iter()
-            .find(|f| f.detector == detector)
-            .map(|f| [f.ap50, f.hit_rate])
+        let found = run.rendered.iter().find(|f| f.detector == detector)?;
+        Some([found.ap50, found.hit_rate])
     };
     let mark = |run: &RenderedRun| {
         let series = methods.iter().position(|method| *method == run.method).unwrap_or(0);

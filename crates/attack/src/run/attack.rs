@@ -77,10 +77,8 @@ impl<'a> Attack<'a> {
             None => {
                 let first = Pattern::random_grid(config.mapping.grid(config.cells), config.seed)?;
                 let [low, high] = config.range.map(|v| f64::from(v) / 255.0);
-                let cells = of_pattern(&first)
-                    .into_iter()
-                    .map(|cell| cell.map(|v| v.clamp(low, high)));
-                let cells: Vec<Rgb> = cells.collect();
+                let mut cells = of_pattern(&first);
+                cells.iter_mut().flatten().for_each(|v| *v = v.clamp(low, high));
                 let state = AttackState {
                     adam: CellMoments::new(cells.len()),
                     weights: DetectorWeights::new(detectors.len()),

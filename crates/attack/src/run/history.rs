@@ -96,10 +96,8 @@ impl History {
     /// Lists the differences for which two cannot stand on one chart, as clauses.
     pub fn differences(&self, other: &Self) -> Vec<String> {
         let classes = |history: &History| {
-            history
-                .classes
-                .as_ref()
-                .map_or("not stated".to_owned(), |c| c.labels().join(", "))
+            let classes = history.classes.as_ref();
+            classes.map_or("not stated".to_owned(), |c| c.labels().join(", "))
         };
         let both = [
             ("frames", self.frames_sha256.clone(), other.frames_sha256.clone()),

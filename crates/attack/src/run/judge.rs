@@ -90,7 +90,7 @@ pub fn look(
     let looked = together::on_each(workers::thread_count(), detectors, views, |detectors, view| {
         let image = image(*view)?;
         let reported = |detector: &&dyn WhiteBox| {
-            let mut predictions = predictions(view_set, *detector, (*view, &image))?;
+            let mut predictions = predictions(view_set, *detector, *view, &image)?;
             predictions.retain(|prediction| prediction.is_reported);
             Ok(predictions)
         };
@@ -116,9 +116,11 @@ pub fn look(
 pub fn confidence(
     view_set: &ViewSet,
     detector: &dyn WhiteBox,
-    (view, image, outline): (usize, &[Rgb], &BoxPx),
+    view: usize,
+    image: &[Rgb],
+    outline: &BoxPx,
 ) -> Result<f64, AttackError> {
-    let predictions = predictions(view_set, detector, (view, image))?;
+    let predictions = predictions(view_set, detector, view, image)?;
     Ok(strongest(&predictions, outline, MEETS_IOU).map_or(0.0, |i| predictions[i].confidence))
 }
 
@@ -126,7 +128,8 @@ pub fn confidence(
 fn predictions(
     view_set: &ViewSet,
     detector: &dyn WhiteBox,
-    (view, image): (usize, &[Rgb]),
+    view: usize,
+    image: &[Rgb],
 ) -> Result<Vec<Prediction>, AttackError> {
     let failed = |reason| view_set.not_seen(view, detector, reason);
     let predictions = detector.predictions(image, view_set.size_px(view)).map_err(failed)?;
@@ -139,9 +142,7 @@ fn predictions(
 
 /// Returns the boxes, with their scores, that scoring would see.
 fn detections(predictions: &[Prediction], nms_iou: f64) -> Vec<(f64, BoxPx)> {
-    let candidates = predictions
-        .iter()
-        .filter(|prediction| prediction.confidence >= SCORE_FLOOR);
+    let candidates = predictions.iter().filter(|p| p.confidence >= SCORE_FLOOR);
     let candidates = candidates.map(|prediction| CandidateBox {
         label: 0,
         score: prediction.confidence,

@@ -41,10 +41,8 @@ pub fn distance(cells: &[Rgb], others: &[Rgb]) -> (f64, Vec<Rgb>) {
 
 /// Returns the nearest of some colours, the first of equals.
 pub fn nearest(cell: Rgb, colours: &[Rgb]) -> Option<Rgb> {
-    colours
-        .iter()
-        .copied()
-        .min_by(|a, b| squared(cell, *a).total_cmp(&squared(cell, *b)))
+    let colours = colours.iter().copied();
+    colours.min_by(|a, b| squared(cell, *a).total_cmp(&squared(cell, *b)))
 }
 
 fn squared(a: Rgb, b: Rgb) -> f64 {

@@ -135,17 +135,17 @@ impl ViewSet {
     pub fn open(
         sets: &[FrameSet],
         grid: Grid,
-        (mapping, eot): (TextureMapping, &Eot),
+        mapping: TextureMapping,
+        eot: &Eot,
         on_view: impl Fn() + Sync,
     ) -> Result<Self, AttackError> {
         let of_set = |list: usize| {
-            views(&sets[list].list.frames)
-                .into_iter()
-                .map(move |frames| (list, frames))
+            let views = views(&sets[list].list.frames).into_iter();
+            views.map(move |frames| (list, frames))
         };
         let all: Vec<_> = (0..sets.len()).flat_map(of_set).enumerate().collect();
         let load = |(): &mut (), (view, (list, frames)): &(usize, (usize, Vec<&Frame>))| {
-            load((*list, &sets[*list]), (*view, frames), &grid, (mapping, eot))
+            load(*list, &sets[*list], *view, frames, &grid, mapping, eot)
         };
         let loaded = workers::map(&all, || Ok(()), load, on_view)?;
         let count = loaded.len();
@@ -303,10 +303,13 @@ pub(crate) fn no_positions(frame: &Frame) -> Message {
 
 /// Reads a view; `None` for one in which the model or its paint is not seen.
 fn load(
-    (list, set): (usize, &FrameSet),
-    (view, frames): (usize, &[&Frame]),
+    list: usize,
+    set: &FrameSet,
+    view: usize,
+    frames: &[&Frame],
     grid: &Grid,
-    (mapping, eot): (TextureMapping, &Eot),
+    mapping: TextureMapping,
+    eot: &Eot,
 ) -> Result<Option<SurrogateView>, AttackError> {
     let frame = frames[0];
     let mask = set.paint_mask(frame)?;

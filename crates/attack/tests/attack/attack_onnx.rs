@@ -329,7 +329,7 @@ fn the_same_seed_gives_the_same_pattern_on_any_number_of_threads() {
         cell_mm: 30.0,
     };
     let frames = FrameSet::open(&home().join("captures/skyline_attack")).unwrap();
-    let view_set = ViewSet::open(&[frames], grid, (TextureMapping::World, &Eot::NONE), || {}).unwrap();
+    let view_set = ViewSet::open(&[frames], grid, TextureMapping::World, &Eot::NONE, || {}).unwrap();
     let (detector, _) = opened("fastestdet", "FastestDet.onnx", &[CAR]);
     let detectors: Vec<Box<dyn WhiteBox>> = vec![Box::new(detector)];
     let config = AttackConfig {

@@ -326,7 +326,7 @@ pub fn draw(rows: &[SurrogateFigures]) -> String {
     let frames = rows.first().map_or(0, |row| row.frames);
     let note = format!("{frames} frames; mean squared error over the paint, sRGB 0 to 1; lower left is better");
     let title = "Surrogate renderers: error in unseen colours against time";
-    cloud((title, note), "milliseconds a frame", rows, |row| row.predict_ms)
+    cloud(title, note, "milliseconds a frame", rows, |row| row.predict_ms)
 }
 
 /// Draws the networks' chart: error against the time of their training. `None` without a network.
@@ -340,14 +340,15 @@ pub fn draw_training(rows: &[SurrogateFigures]) -> Option<String> {
     );
     let title = "Networks: error in unseen colours against training";
     (!trained.is_empty()).then(|| {
-        cloud((title, note), "seconds of training", &trained, |row| {
+        cloud(title, note, "seconds of training", &trained, |row| {
             row.training_seconds.unwrap_or(0.0)
         })
     })
 }
 
 fn cloud(
-    (title, note): (&str, String),
+    title: &str,
+    note: String,
     x: &str,
     rows: &[SurrogateFigures],
     value: impl Fn(&SurrogateFigures) -> f64,

@@ -343,10 +343,8 @@ fn training_view(
         for frame in view {
             let Some(rgb) = frame.flat_rgb() else { continue };
             let image = set.rgb(frame)?;
-            let linear: Vec<_> = image
-                .pixels()
-                .map(|p| light::linear_of(p.0).map(|v| v as f32))
-                .collect();
+            let linear = image.pixels().map(|p| light::linear_of(p.0).map(|v| v as f32));
+            let linear: Vec<_> = linear.collect();
             let srgb = |p: &[f32; 3]| p.map(|v| light::encode(f64::from(v)) as f32);
             images.push((rgb, of_paint(&linear).iter().map(srgb).collect()));
         }

@@ -174,7 +174,7 @@ impl Trainer {
         };
         let share = 1.0 / batch.len() as f64;
         let loss =
-            |sample: &Sample, maps: &[f32]| loss(self.plan.architecture.transformer, (sample, share), window, maps);
+            |sample: &Sample, maps: &[f32]| loss(self.plan.architecture.transformer, sample, share, window, maps);
         let network = LayerShapes::new(self.plan.architecture).network(&self.weights, window.size());
         let (loss, gradients) = network.loss_and_derivatives(&batch, image, loss);
         self.check_finite(loss.is_finite())?;
@@ -295,12 +295,7 @@ impl Trainer {
 
 /// Returns the mean cross-entropy over an image's targets, each the mean over its paint's pixels and channels, by its share in the batch; and its
 /// gradient with respect to TF. NaN where a number of TF is none: cut between 0 and 1, it would not show.
-fn loss(
-    transformer: Transformer,
-    (sample, share): (&Sample, f64),
-    window: PaintWindow,
-    maps: &[f32],
-) -> (f64, Vec<f32>) {
+fn loss(transformer: Transformer, sample: &Sample, share: f64, window: PaintWindow, maps: &[f32]) -> (f64, Vec<f32>) {
     let pixels = window.pixels();
     let mut map_gradients = vec![0.0; maps.len()];
     if !maps.iter().all(|v| v.is_finite()) {

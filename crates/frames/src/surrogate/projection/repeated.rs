@@ -66,10 +66,9 @@ fn plane_to_image(list: &FrameList, frame: &Frame) -> Matrix3<f64> {
     let (pose, target) = (frame.pose(), Point3::from(list.target_mm));
     let to_camera = pose.inverse().translation.vector - target.coords;
     let facing = |side: &Side| side.outward().dot(&to_camera);
-    let side = Side::ALL
-        .into_iter()
-        .max_by(|a, b| facing(a).total_cmp(&facing(b)))
-        .unwrap_or(Side::Left);
+    let sides = Side::ALL.into_iter();
+    let side = sides.max_by(|a, b| facing(a).total_cmp(&facing(b)));
+    let side = side.unwrap_or(Side::Left);
     let [right, up] = side.axes();
     // A point of the plane is origin + u·right + v·up, with the world-aligned (u, v).
     let [u, v] = side.project(&target);
