@@ -15,7 +15,7 @@ use scaleproof_attack::baseline::patches::{is_seen, paint};
 use scaleproof_attack::baseline::{self, BlackBox, genetic};
 use scaleproof_attack::run::augmentation::{Augmentation, Eot, rolled};
 use scaleproof_attack::run::history::Entry;
-use scaleproof_attack::run::judge::{judge, look};
+use scaleproof_attack::run::judge::{detect, judge};
 use scaleproof_attack::run::loss::from_floor;
 use scaleproof_attack::run::penalty::{distance, nearest, smooth};
 use scaleproof_attack::run::printer::PrinterMap;
@@ -666,7 +666,7 @@ fn the_worst_of_several_detectors_is_misled_best_when_it_counts_most() {
         let (cells, _) = attack.run(folder.path(), |_, _| {}).unwrap();
         let views = view_set.judged();
         let image = |view| Ok(view_set.textured(view, &cells, &Augmentation::NONE).augmented.image);
-        let seen = look(&view_set, &detectors, &views, image).unwrap();
+        let seen = detect(&view_set, &detectors, &views, image).unwrap();
         seen.iter().map(|seen| seen.mean_confidence()).fold(0.0, f64::max)
     };
     let (mean, worst) = (worst_of(Against::Mean), worst_of(Against::Worst));

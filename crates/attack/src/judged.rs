@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::run::Rgb;
 use super::run::augmentation::Augmentation;
-use super::run::judge::{SeenByDetector, look};
+use super::run::judge::{ViewDetections, detect};
 use super::setup::Setup;
 use crate::AttackError;
 use scaleproof_core::statistics::intervals_95;
@@ -42,17 +42,17 @@ pub type NamedCells = (String, Vec<Rgb>);
 /// Directions around the model, the first about the front.
 const SECTORS: usize = 8;
 
-/// Judges named patterns, the plain model first; detector by detector. `on_look` is called after each image, from any thread.
+/// Judges named patterns, the plain model first; detector by detector. `on_image` is called after each image, from any thread.
 pub fn judged(
     setup: &Setup,
     patterns: &[NamedCells],
-    on_look: impl Fn() + Sync,
+    on_image: impl Fn() + Sync,
 ) -> Result<Vec<JudgedPattern>, AttackError> {
     let view_set = &setup.view_set;
     let views: Vec<usize> = (0..view_set.views.len()).collect();
     let seen = |(_, cells): &NamedCells| {
-        look(view_set, &setup.detectors, &views, |view| {
-            on_look();
+        detect(view_set, &setup.detectors, &views, |view| {
+            on_image();
             let textured = view_set.textured(view, cells, &Augmentation::NONE);
             Ok(textured.augmented.image)
         })
@@ -104,7 +104,7 @@ fn worst(sectors: &[usize], confidences: &[f64]) -> WorstDirection {
 }
 
 /// Returns the mean drop of confidence from that in the plain model, and its 95 % interval over the views.
-fn mean_drop(plain: &SeenByDetector, seen: &SeenByDetector) -> (f64, Option<[f64; 2]>) {
+fn mean_drop(plain: &ViewDetections, seen: &ViewDetections) -> (f64, Option<[f64; 2]>) {
     let both = plain.confidences.iter().zip(&seen.confidences);
     let differences: Vec<f64> = both.map(|(a, b)| a - b).collect();
     let mean = |weights: &[u32]| {

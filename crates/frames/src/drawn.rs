@@ -50,7 +50,7 @@ pub fn paint_sides(mesh: &Mesh, materials: &[usize]) -> Vec<Option<Side>> {
 }
 
 /// Returns the value of a side in `sides` images: 1 + its index in [`Side::ALL`].
-pub fn number(side: Side) -> u8 {
+pub fn side_number(side: Side) -> u8 {
     1 + side as u8
 }
 
@@ -60,7 +60,7 @@ pub fn level(count: u32, factor: u32) -> u8 {
 }
 
 /// Clips the mesh's box to an image of this size; `None` when nothing is left.
-pub fn seen_box(around: &BoxPx, size_px: [u32; 2]) -> Option<BoxPx> {
+pub fn clip_box(around: &BoxPx, size_px: [u32; 2]) -> Option<BoxPx> {
     let [width, height] = size_px.map(f64::from);
     Some(around.clipped(width, height)).filter(BoxPx::is_solid)
 }
@@ -89,7 +89,7 @@ pub fn draw(
             if let Some(paint) = paint.get(hit.triangle).copied().flatten() {
                 painted.get_pixel_mut(x / factor, y / factor).0[0] += 1;
                 place = raster.point(at.0, at.1, &hit).coords.into();
-                *side = Luma([number(paint)]);
+                *side = Luma([side_number(paint)]);
             }
         }
         positions.push(place);
@@ -102,6 +102,6 @@ pub fn draw(
         paint_mask: painted,
         positions,
         sides,
-        box_xyxy_px: outline(mesh, pose, pinhole).and_then(|around| seen_box(&around, size_px)),
+        box_xyxy_px: outline(mesh, pose, pinhole).and_then(|around| clip_box(&around, size_px)),
     })
 }

@@ -112,12 +112,12 @@ impl RenderedSet {
         on_photo: impl FnMut(usize),
     ) -> Result<(), AttackError> {
         check_folder(folder)?;
-        self.reserve(folder)?;
+        self.claim(folder)?;
         photos::render(&self.plan, &self.photos, folder, python, on_photo)
     }
 
     /// Writes the identities of the folder's views and of each paint, or refuses folders of others.
-    fn reserve(&self, folder: &Path) -> Result<(), AttackError> {
+    fn claim(&self, folder: &Path) -> Result<(), AttackError> {
         let views = (folder.join("render.json"), as_file(&self.plan.view_identity()));
         ensure!(
             views.0.is_file() || !folder.join("session.json").exists(),

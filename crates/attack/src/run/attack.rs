@@ -17,7 +17,7 @@ use super::draw::drawn_by;
 use super::history::Entry;
 use super::view_set::ViewSet;
 use super::weights::DetectorWeights;
-use super::{judge, loss, penalty, together};
+use super::{judge, loss, parallel, penalty};
 use crate::AttackError;
 use scaleproof_core::workers;
 use scaleproof_gradients::{Boxes, WhiteBox};
@@ -179,18 +179,18 @@ impl<'a> Attack<'a> {
         let mut gradient = vec![[0.0; 3]; state.cells.len()];
         let draws = Augmentation::of_each(views, &config.eot, &mut rng);
         let cells = shown(&state.cells, config);
-        let looked = together::on_each(self.threads, self.detectors, &draws, |detectors, (view, draw)| {
+        let results = parallel::evaluate_each(self.threads, self.detectors, &draws, |detectors, (view, draw)| {
             let how = (step, config.boxes, config.floor);
             loss_and_gradient(self.view_set, detectors, (*view, &cells, draw), how, &weights)
         });
         let share = |v: f64| v / count as f64;
-        for (looked, (view, _)) in looked?.into_iter().zip(&draws) {
-            for (sum, loss) in losses.iter_mut().zip(&looked.losses) {
+        for (found, (view, _)) in results?.into_iter().zip(&draws) {
+            for (sum, loss) in losses.iter_mut().zip(&found.losses) {
                 *sum += share(*loss);
             }
-            confidence += share(looked.confidence) / self.detectors.len() as f64;
-            add(&mut gradient, &looked.gradient, share(1.0));
-            let highest = looked.losses.iter().copied().fold(0.0, f64::max);
+            confidence += share(found.confidence) / self.detectors.len() as f64;
+            add(&mut gradient, &found.gradient, share(1.0));
+            let highest = found.losses.iter().copied().fold(0.0, f64::max);
             state.difficulty.observe(*view, highest);
         }
         state.weights.observe(&losses);
@@ -234,7 +234,7 @@ pub fn loss_and_gradient<'a>(
     for ((detector, weight), loss) in detectors.iter().zip(weights).zip(&mut losses) {
         let (image, size_px) = (&textured.augmented.image, view_set.size_px(view));
         let found = detector.loss_and_gradient(image, size_px, &textured.outline, boxes);
-        let Some(found) = found.map_err(|reason| view_set.not_seen(view, &**detector, reason))? else {
+        let Some(found) = found.map_err(|reason| view_set.forward_pass_failed(view, &**detector, reason))? else {
             continue;
         };
         let numbers = [found.loss, found.confidence];

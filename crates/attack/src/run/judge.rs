@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::augmentation::Augmentation;
 use super::cells::Rgb;
 use super::loss::{HIT_CONFIDENCE, HIT_IOU};
-use super::together;
+use super::parallel;
 use super::view_set::ViewSet;
 use crate::AttackError;
 use scaleproof_core::ap::{ImageBoxes, average_precision};
@@ -45,25 +45,25 @@ pub fn judge_images(
     detectors: &[Box<dyn WhiteBox>],
     image: impl Fn(usize) -> Result<Vec<Rgb>, AttackError> + Sync,
 ) -> Result<HeldOutFigures, AttackError> {
-    let seen = look(view_set, detectors, &view_set.judged(), image)?;
-    let mean = |of: fn(&SeenByDetector) -> f64| seen.iter().map(of).sum::<f64>() / seen.len().max(1) as f64;
+    let seen = detect(view_set, detectors, &view_set.judged(), image)?;
+    let mean = |of: fn(&ViewDetections) -> f64| seen.iter().map(of).sum::<f64>() / seen.len().max(1) as f64;
     Ok(HeldOutFigures {
         views: view_set.judged().len(),
-        ap50: mean(SeenByDetector::ap50),
-        hit_rate: mean(SeenByDetector::hit_rate),
-        mean_confidence: mean(SeenByDetector::mean_confidence),
+        ap50: mean(ViewDetections::ap50),
+        hit_rate: mean(ViewDetections::hit_rate),
+        mean_confidence: mean(ViewDetections::mean_confidence),
     })
 }
 
 /// Detections of one detector in some views.
 #[derive(Default)]
-pub struct SeenByDetector {
+pub struct ViewDetections {
     /// Confidence of the most confident box on the model, in each view; 0 where there is none.
     pub confidences: Vec<f64>,
     boxes: Vec<ImageBoxes>,
 }
 
-impl SeenByDetector {
+impl ViewDetections {
     /// Computes AP@0.5 as `score` does by default.
     pub fn ap50(&self) -> f64 {
         average_precision(&self.boxes, HIT_IOU).map_or(0.0, |found| found.ap)
@@ -81,13 +81,13 @@ impl SeenByDetector {
 }
 
 /// Runs every detector on some views.
-pub fn look(
+pub fn detect(
     view_set: &ViewSet,
     detectors: &[Box<dyn WhiteBox>],
     views: &[usize],
     image: impl Fn(usize) -> Result<Vec<Rgb>, AttackError> + Sync,
-) -> Result<Vec<SeenByDetector>, AttackError> {
-    let looked = together::on_each(workers::thread_count(), detectors, views, |detectors, view| {
+) -> Result<Vec<ViewDetections>, AttackError> {
+    let results = parallel::evaluate_each(workers::thread_count(), detectors, views, |detectors, view| {
         let image = image(*view)?;
         let reported = |detector: &&dyn WhiteBox| {
             let mut predictions = predictions(view_set, *detector, *view, &image)?;
@@ -96,10 +96,10 @@ pub fn look(
         };
         detectors.iter().map(reported).collect::<Result<Vec<_>, AttackError>>()
     });
-    let mut seen: Vec<SeenByDetector> = detectors.iter().map(|_| SeenByDetector::default()).collect();
-    for (view, looks) in views.iter().zip(looked?) {
+    let mut seen: Vec<ViewDetections> = detectors.iter().map(|_| ViewDetections::default()).collect();
+    for (view, of_view) in views.iter().zip(results?) {
         let outline = &view_set.views[*view].outline;
-        for ((detector, predictions), seen) in detectors.iter().zip(looks).zip(&mut seen) {
+        for ((detector, predictions), seen) in detectors.iter().zip(of_view).zip(&mut seen) {
             let found = strongest(&predictions, outline, HIT_IOU);
             seen.confidences.push(found.map_or(0.0, |i| predictions[i].confidence));
             seen.boxes.push(ImageBoxes {
@@ -131,7 +131,7 @@ fn predictions(
     view: usize,
     image: &[Rgb],
 ) -> Result<Vec<Prediction>, AttackError> {
-    let failed = |reason| view_set.not_seen(view, detector, reason);
+    let failed = |reason| view_set.forward_pass_failed(view, detector, reason);
     let predictions = detector.predictions(image, view_set.size_px(view)).map_err(failed)?;
     if predictions.iter().all(|prediction| prediction.confidence.is_finite()) {
         Ok(predictions)

@@ -12,10 +12,10 @@ mod draw; // random numbers and views of a step
 pub mod history; // the course of a run, and charts
 pub mod judge; // detections of a pattern in the views held out
 pub mod loss; // the attack loss
+mod parallel; // images looked at in parallel
 pub mod penalty; // smoothness, and the distance to another pattern
 pub mod printer; // the colours that a printer makes of the cells
 pub mod resample; // images resized and moved
-mod together; // images looked at in parallel
 pub mod view_set; // the views, each with its surrogate renderer and texture projection
 pub mod weights; // the weight of each of several detectors
 

@@ -249,7 +249,12 @@ impl ViewSet {
     }
 
     /// Creates the error of a detector that could not look at a view.
-    pub(super) fn not_seen(&self, view: usize, detector: &dyn WhiteBox, reason: WhiteBoxError) -> AttackError {
+    pub(super) fn forward_pass_failed(
+        &self,
+        view: usize,
+        detector: &dyn WhiteBox,
+        reason: WhiteBoxError,
+    ) -> AttackError {
         let (detector, view) = (detector.name(), &self.views[view].frame.name);
         message!("{detector} cannot look at the view of {view}: {reason}")
             .caused_by(reason)

@@ -5,7 +5,7 @@ use nalgebra::Point3;
 
 use super::located::FlatPhoto;
 use super::views::PhotosOfView;
-use crate::drawn::{DrawnMesh, level, number, seen_box};
+use crate::drawn::{DrawnMesh, clip_box, level, side_number};
 use crate::raster::{Raster, outline, ray};
 use crate::{FramesError, Pinhole, light, reduced};
 use scaleproof_core::geometry::BoxPx;
@@ -197,7 +197,7 @@ impl Sums {
                 pixel.seen += 1;
                 let fine = y * self.size_px[0] * factor + x;
                 self.positions[fine] = point.coords.into();
-                self.sides[fine] = number(side);
+                self.sides[fine] = side_number(side);
                 for (image, light) in self.paint.iter_mut().zip(&lights) {
                     add(&mut image[index], light, 1.0);
                 }
@@ -256,7 +256,7 @@ impl Sums {
                 paint_mask: mask(Pixel::painted),
                 positions: self.positions,
                 sides: GrayImage::from_raw(width * FACTOR, height * FACTOR, self.sides).unwrap_or_default(),
-                box_xyxy_px: around.and_then(|b| seen_box(&b, [width, height])),
+                box_xyxy_px: around.and_then(|b| clip_box(&b, [width, height])),
             },
             kept,
         }

@@ -114,7 +114,7 @@ pub fn run(
         move |e| FileError::write(&path, &e)
     };
     let work = &work_folder(folder);
-    emptied(folder, work)?;
+    empty_work_folder(folder, work)?;
     let [script, job] = ["render_frames.py", "plan.json"].map(|name| work.join(name));
     files::replace_atomically(folder, &job, plan.to_string().as_bytes())?;
     files::replace_atomically(folder, &script, SCRIPT.as_bytes())?;
@@ -127,7 +127,7 @@ pub fn run(
         .stderr(files::chosen::new_file(folder, &log(work))?)
         .spawn()
         .map_err(failed(&script))?;
-    let said = child.stdout.take().map(|out| follow(out, &mut on_event));
+    let said = child.stdout.take().map(|out| read_events(out, &mut on_event));
     if let Some(Err(problem)) = said {
         // It may have ended by itself already.
         let _ = child.kill();
@@ -138,7 +138,7 @@ pub fn run(
 }
 
 /// Makes the work folder, or takes what an earlier run left out of it: Blender would write through a link there.
-fn emptied(folder: &Path, work: &Path) -> Result<(), FileError> {
+fn empty_work_folder(folder: &Path, work: &Path) -> Result<(), FileError> {
     files::chosen::folder(folder, work)?;
     let unreadable = |e| FileError::read(work, &e);
     for entry in std::fs::read_dir(work).map_err(unreadable)? {
@@ -153,7 +153,7 @@ fn emptied(folder: &Path, work: &Path) -> Result<(), FileError> {
 }
 
 /// Reads the script's lines; those of Blender itself are passed over.
-pub fn follow(
+pub fn read_events(
     out: impl Read,
     on_event: &mut impl FnMut(BlenderEvent) -> Result<(), FramesError>,
 ) -> Result<(), FramesError> {

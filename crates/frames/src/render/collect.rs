@@ -34,7 +34,7 @@ impl Collector<'_> {
         ["object", "paint", "positions", "sides"].map(|kind| self.folder.join(format!("views/{name}_{kind}.png")))
     }
 
-    pub(super) fn take_frame(&self, name: &str) -> Result<(), FramesError> {
+    pub(super) fn save_frame(&self, name: &str) -> Result<(), FramesError> {
         let size = self.plan.request().size_px;
         let linear = triples(self.folder, &format!("{name}.rgb"), size)?;
         let [rgb_file, linear_file] = self.frame_files(name);
@@ -48,7 +48,7 @@ impl Collector<'_> {
         Ok(())
     }
 
-    pub(super) fn take_geometry(&self, view: &str) -> Result<(), FramesError> {
+    pub(super) fn save_geometry(&self, view: &str) -> Result<(), FramesError> {
         let request = self.plan.request();
         let (size, fine) = (request.size_px, request.size_px.map(|px| px * request.factor));
         let grey = |kind: &str, size: [u32; 2], most: f32, scale: f32| -> Result<Vec<u8>, FramesError> {

@@ -27,7 +27,7 @@ pub fn render(
     python: &blender::Python,
     mut on_frame: impl FnMut(usize),
 ) -> Result<(), FramesError> {
-    reserve(plan, folder)?;
+    claim(plan, folder)?;
     let work = &blender::work_folder(folder);
     let collector = collect::Collector { plan, folder };
     let missing = collector.missing();
@@ -40,9 +40,9 @@ pub fn render(
         let is_view = |name: &String| missing.viewpoints.iter().any(|view| plan.view_name(*view) == *name);
         let finished = blender::run(python, &plan.to_script(&missing, folder), folder, |event| {
             match event {
-                blender::BlenderEvent::Geometry(view) if is_view(&view) => collector.take_geometry(&view)?,
+                blender::BlenderEvent::Geometry(view) if is_view(&view) => collector.save_geometry(&view)?,
                 blender::BlenderEvent::Frame(name) if is_asked(&name) => {
-                    collector.take_frame(&name)?;
+                    collector.save_frame(&name)?;
                     done += 1;
                 }
                 _ => {}
@@ -91,7 +91,7 @@ pub fn check_folder(folder: &Path) -> Result<(), Message> {
 }
 
 /// Writes the plan's identity into the folder, or refuses a folder of another plan.
-fn reserve(plan: &RenderPlan, folder: &Path) -> Result<(), FramesError> {
+fn claim(plan: &RenderPlan, folder: &Path) -> Result<(), FramesError> {
     let note = folder.join("render.json");
     let own = plan.identity();
     // What was refused before its first image leaves the folder free.

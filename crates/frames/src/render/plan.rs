@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::Panorama;
 use super::blender::work_folder;
 use super::request::{RenderPaint, RenderRequest, absolute};
-use crate::drawn::{number, paint_sides, seen_box};
+use crate::drawn::{clip_box, paint_sides, side_number};
 use crate::{Frame, FrameList, FramesError, Pinhole, Positions, light};
 use scaleproof_core::files;
 use scaleproof_core::geometry::BoxPx;
@@ -242,7 +242,7 @@ impl RenderPlan {
             ..FrameList::new(&r.made_by, r.size_px, self.pinhole(), self.target_mm.coords.into())
         };
         // The boxes of the whole mesh, exactly: of its projected corners, clipped to the image.
-        let outline = |viewpoint| seen_box(&self.projected(viewpoint)?, r.size_px);
+        let outline = |viewpoint| clip_box(&self.projected(viewpoint)?, r.size_px);
         let boxes: Vec<Option<BoxPx>> = (0..r.viewpoints.len()).map(outline).collect();
         let frame = |frame: PlannedFrame| {
             let name = self.frame_name(&frame);
@@ -362,7 +362,7 @@ fn surface(request: &RenderRequest) -> Result<(Value, Vec<usize>), Message> {
             continue;
         };
         indices.push(i);
-        sides.push(number(side));
+        sides.push(side_number(side));
         uv_mm.push(corners.map(|p| side.project(&p)));
         triangles.push(std::array::from_fn::<usize, 3, _>(|i| {
             *index.entry(triangle.corners[i]).or_insert_with(|| {

@@ -158,7 +158,7 @@ impl LayerShapes {
             feature[9 * (last.ins - 3 + channel) + 4] = 1.0;
             let levels = references.iter().map(|rgb| f32::from(rgb[channel]) / 255.0);
             let eta = (levels.sum::<f32>() / references.len().max(1) as f32).max(DARKEST_REFERENCE);
-            transformer.spread(channel, transformer.open(), |map, bias| {
+            transformer.scatter(channel, transformer.open(), |map, bias| {
                 weights[2 * out_at + 1][map] = bias as f32;
                 if map == transformer.multiplying(channel) {
                     weights[2 * out_at][map * out.ins + channel] = 1.0 / eta;
@@ -177,20 +177,20 @@ impl LayerShapes {
         let mut sizes = vec![reference];
         let mut x = reference;
         for _ in 0..self.architecture.halvings() {
-            x = next.opened(x);
-            let grown = next.opened(x);
+            x = next.convolve_relu(x);
+            let grown = next.convolve_relu(x);
             x = match self.architecture.encoder {
-                Encoder::ConvNet => next.opened(grown),
+                Encoder::ConvNet => next.convolve_relu(grown),
                 Encoder::ResNet => {
-                    let added = next.convolved(grown);
+                    let added = next.convolve(grown);
                     let sum = next.network.sum(x, added);
                     next.network.relu(sum)
                 }
                 Encoder::DenseNet => {
                     let x = next.network.joined(x, grown);
-                    let grown = next.opened(x);
+                    let grown = next.convolve_relu(x);
                     let x = next.network.joined(x, grown);
-                    next.opened(x)
+                    next.convolve_relu(x)
                 }
             };
             sizes.push(x);
@@ -199,9 +199,9 @@ impl LayerShapes {
         while let Some(beside) = sizes.pop() {
             let doubled = next.network.doubled(x);
             let both = next.network.joined(doubled, beside);
-            x = next.opened(both);
+            x = next.convolve_relu(both);
         }
-        next.convolved(x);
+        next.convolve(x);
         next.network
     }
 }
@@ -214,7 +214,7 @@ struct Layers<I> {
 
 impl<'a, I: Iterator<Item = (&'a Conv, &'a [Vec<f32>])>> Layers<I> {
     /// Appends the next convolution.
-    fn convolved(&mut self, x: Output) -> Output {
+    fn convolve(&mut self, x: Output) -> Output {
         let Some((conv, weights)) = self.layers.next() else {
             return x;
         };
@@ -227,8 +227,8 @@ impl<'a, I: Iterator<Item = (&'a Conv, &'a [Vec<f32>])>> Layers<I> {
     }
 
     /// Appends the next convolution and a ReLU.
-    fn opened(&mut self, x: Output) -> Output {
-        let x = self.convolved(x);
+    fn convolve_relu(&mut self, x: Output) -> Output {
+        let x = self.convolve(x);
         self.network.relu(x)
     }
 }

@@ -312,7 +312,7 @@ fn loss(transformer: Transformer, sample: &Sample, share: f64, window: PaintWind
                 let target = f64::from(truth[channel]);
                 sum += share * cross_entropy(x, target);
                 let cotangent = share * cross_entropy_derivative(x, target);
-                transformer.spread(channel, transformer.vjp(found, eta, cotangent), |i, v| {
+                transformer.scatter(channel, transformer.vjp(found, eta, cotangent), |i, v| {
                     map_gradients[i * pixels + place] += v as f32;
                 });
             }

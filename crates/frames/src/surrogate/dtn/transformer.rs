@@ -75,7 +75,7 @@ impl Transformer {
     }
 
     /// Inverts [`Transformer::maps`]: passes each map's index in TF and value to `put`.
-    pub fn spread(self, channel: usize, maps: Maps, mut put: impl FnMut(usize, f64)) {
+    pub fn scatter(self, channel: usize, maps: Maps, mut put: impl FnMut(usize, f64)) {
         let values = [maps.subtract, maps.add, maps.multiply, maps.bias];
         for (i, value) in values.into_iter().skip(self.missing()).enumerate() {
             put(3 * i + channel, value);

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::DMatrix;
 
-use super::tone::{Tone, least};
+use super::tone::{Tone, minimise};
 use super::{FlatImage, Renderer};
 use crate::light;
 use scaleproof_core::message::{Message, bail, ensure};
@@ -151,7 +151,7 @@ fn fitted_tone(flats: &[FlatImage], colours: usize) -> Tone {
         let mut sum = 0.0;
         for flat in flats {
             let paint = light::linear_of(flat.flat_rgb);
-            for (i, (_, pixel)) in chosen(flat, every).enumerate() {
+            for (i, (_, pixel)) in every_nth(flat, every).enumerate() {
                 let predicted = model.pixel(i, paint);
                 let squared = |c: usize| (predicted[c] - f64::from(pixel[c]) / 255.0).powi(2);
                 sum += (0..3).map(squared).sum::<f64>();
@@ -160,12 +160,12 @@ fn fitted_tone(flats: &[FlatImage], colours: usize) -> Tone {
         sum
     };
     Tone {
-        power: least(Tone::POWERS, error),
+        power: minimise(Tone::POWERS, error),
     }
 }
 
 /// Every Nth pixel of an image, with its index.
-fn chosen(flat: &FlatImage, every: usize) -> impl Iterator<Item = (usize, [u8; 3])> {
+fn every_nth(flat: &FlatImage, every: usize) -> impl Iterator<Item = (usize, [u8; 3])> {
     flat.image.pixels().map(|p| p.0).enumerate().step_by(every)
 }
 
@@ -179,7 +179,7 @@ fn polynomial(degree: usize, tone: Option<Tone>, flats: &[FlatImage], every: usi
         if tone.is_some() { light::decode(srgb) } else { srgb }
     };
     let mut solvers: [BTreeMap<(Used, usize), DMatrix<f64>>; 3] = Default::default();
-    let column = |flat| chosen(flat, every).map(|(_, p)| p).collect();
+    let column = |flat| every_nth(flat, every).map(|(_, p)| p).collect();
     let columns: Vec<Vec<[u8; 3]>> = flats.iter().map(column).collect();
     let fit = |pixel: usize| {
         std::array::from_fn(|channel| {

@@ -36,7 +36,7 @@ impl Tone {
 }
 
 /// Minimises a function with one valley in a range (golden section, Kiefer 1953).
-pub(super) fn least(range: std::ops::RangeInclusive<f64>, of: impl Fn(f64) -> f64) -> f64 {
+pub(super) fn minimise(range: std::ops::RangeInclusive<f64>, of: impl Fn(f64) -> f64) -> f64 {
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
     let (mut low, mut high) = range.into_inner();
     let (mut a, mut b) = (high - golden * (high - low), low + golden * (high - low));
