@@ -9,43 +9,22 @@ use super::Manifest;
 use super::onnx::external_files;
 use super::weights::other_hash;
 use scaleproof_core::files;
+use scaleproof_core::message::{Message, bail, message};
 use scaleproof_core::spelling;
 
 /// Why a download did not end in a usable file.
 #[derive(Debug, thiserror::Error)]
 pub enum FetchError {
-    #[error("the manifest of {name} has no weights.url to fetch from: put {file} beside the manifest")]
-    NoUrl { name: String, file: String },
-    #[error("cannot reach {host} to fetch {name} ({reason}): go online, or copy {file} into {folder}", folder = folder.display())]
-    Unreachable {
-        name: String,
-        host: String,
-        file: String,
-        folder: PathBuf,
-        reason: String,
-    },
-    #[error("{url} answered {status}: the file may have moved; see the manifest of {name} for its origin")]
-    Refused { name: String, url: String, status: u16 },
-    #[error(
-        "the download of {name} broke off after {bytes} bytes ({reason}): run the command again to go on from there"
-    )]
-    BrokeOff { name: String, bytes: u64, reason: String },
+    #[error(transparent)]
+    Message(#[from] Message),
     #[error(transparent)]
     File(#[from] files::FileError),
-    #[error("the file at {url} is not the one {name} was described with; it was not kept")]
-    WrongFile { name: String, url: String },
     #[error(
         "the download of {name} has more than 2 GB, so it is not the file that the manifest describes; it was not kept"
     )]
     TooLarge { name: String },
     #[error("{path} is already there and is not the file {name} was described with: move it away", path = path.display())]
     Taken { name: String, path: PathBuf },
-    #[error(
-        "the network of {name} keeps tensors in {file}, which is no file beside it that could be fetched: put both into a folder by hand"
-    )]
-    TensorsElsewhere { name: String, file: String },
-    #[error("{path} is a link or a folder, or has a second name, and the download would be collected in it: remove it", path = path.display())]
-    NoPart { path: PathBuf },
 }
 
 /// Nothing this program fetches is near this size; a longer answer is not the file.
@@ -75,7 +54,7 @@ pub fn fetch_within(
 ) -> Result<PathBuf, FetchError> {
     let (name, file) = (manifest.name.clone(), manifest.weights.file.clone());
     if manifest.weights.url.is_empty() {
-        return Err(FetchError::NoUrl { name, file });
+        bail!("the manifest of {name} has no weights.url to fetch from: put {file} beside the manifest");
     }
     let (target, part) = (folder.join(&file), folder.join(format!("{file}.part")));
     // Its hash is looked at before it takes its name.
@@ -93,8 +72,8 @@ pub fn fetch_within(
             return Err(FetchError::Taken { name, path: target });
         }
         remove(&part)?;
-        let url = manifest.weights.url.clone();
-        return Err(FetchError::WrongFile { name, url });
+        let url = &manifest.weights.url;
+        bail!("the file at {url} is not the one {name} was described with; it was not kept");
     }
     if !is_there {
         files::chosen::rename(folder, &part, &target)?;
@@ -115,10 +94,11 @@ fn fetch_tensors(
     for file in external_files(&bytes) {
         let is_plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
         if file.starts_with('.') || !file.chars().all(is_plain) {
-            return Err(FetchError::TensorsElsewhere {
-                name: manifest.name.clone(),
-                file: spelling::quoted(file),
-            });
+            bail!(
+                "the network of {} keeps tensors in {}, which is no file beside it that could be fetched: put both into a folder by hand",
+                manifest.name,
+                spelling::quoted(file)
+            );
         }
         let (target, part) = (folder.join(file), folder.join(format!("{file}.part")));
         if std::fs::symlink_metadata(&target).is_err() {
@@ -154,7 +134,12 @@ fn collect(
 ) -> Result<(), FetchError> {
     let folder = files::folder_of(part);
     // Through a link, the download would be written to wherever it points.
-    let no_part = |_| FetchError::NoPart { path: part.to_owned() };
+    let no_part = |_| {
+        message!(
+            "{} is a link or a folder, or has a second name, and the download would be collected in it: remove it",
+            part.display()
+        )
+    };
     let have = files::chosen::begun(folder, part).map_err(no_part)?;
     let Some(response) = request(manifest, url, folder, have, patience)? else {
         return Ok(());
@@ -186,7 +171,7 @@ fn request(
     folder: &Path,
     have: u64,
     patience: Duration,
-) -> Result<Option<Response>, FetchError> {
+) -> Result<Option<Response>, Message> {
     let agent: ureq::Agent = ureq::Agent::config_builder()
         .timeout_connect(Some(Duration::from_secs(8)))
         .timeout_recv_response(Some(Duration::from_secs(30)))
@@ -199,21 +184,21 @@ fn request(
     if have > 0 {
         request = request.header("Range", format!("bytes={have}-"));
     }
-    let response = request.call().map_err(|e| FetchError::Unreachable {
-        name: manifest.name.clone(),
-        host: url.split('/').nth(2).unwrap_or(url).to_owned(),
-        file: manifest.weights.file.clone(),
-        folder: folder.to_owned(),
-        reason: e.to_string().replace('\n', " "),
+    let name = &manifest.name;
+    let response = request.call().map_err(|e| {
+        let (host, reason) = (url.split('/').nth(2).unwrap_or(url), e.to_string().replace('\n', " "));
+        message!(
+            "cannot reach {host} to fetch {name} ({reason}): go online, or copy {} into {}",
+            manifest.weights.file,
+            folder.display()
+        )
     })?;
     match response.status().as_u16() {
         200 | 206 => Ok(Some(response)),
         416 if have > 0 => Ok(None),
-        status => Err(FetchError::Refused {
-            name: manifest.name.clone(),
-            url: url.to_owned(),
-            status,
-        }),
+        status => {
+            bail!("{url} answered {status}: the file may have moved; see the manifest of {name} for its origin")
+        }
     }
 }
 
@@ -230,20 +215,20 @@ fn receive(
     let limit = MAX_BYTES + (1 << 20);
     let mut body = response.into_body().into_with_config().limit(limit).reader();
     let mut buffer = vec![0; 1 << 16];
-    let (begin, had, name) = (Instant::now(), have, || manifest.name.clone());
+    let (begin, had, name) = (Instant::now(), have, &manifest.name);
     loop {
         progress(have, total);
         if have > MAX_BYTES {
-            return Err(FetchError::TooLarge { name: name() });
+            return Err(FetchError::TooLarge { name: name.clone() });
         }
-        let broke_off = |reason: String| FetchError::BrokeOff {
-            name: name(),
-            bytes: have,
-            reason,
+        let broke_off = |reason: String| {
+            message!(
+                "the download of {name} broke off after {have} bytes ({reason}): run the command again to go on from there"
+            )
         };
         let (seconds, came) = (begin.elapsed().as_secs_f64(), (have - had) as f64);
         if seconds > SLOW_START_S && came < seconds * LEAST_BYTES_PER_S {
-            return Err(broke_off(format!("fewer than {LEAST_BYTES_PER_S} bytes a second came")));
+            return Err(broke_off(format!("fewer than {LEAST_BYTES_PER_S} bytes a second came")).into());
         }
         let failed = |e: std::io::Error| {
             // Only single reads have a time limit while a body comes.

@@ -81,6 +81,7 @@ pub enum RunError {
     ForwardPass {
         detector: String,
         view: String,
+        #[source]
         reason: Box<WhiteBoxError>,
     },
     #[error(

@@ -2,8 +2,11 @@
 
 use std::sync::LazyLock;
 
-use super::{Anchor, Anchors, HeadError, Tensor, centred, misfit, sigmoid};
+use super::anchor::{Anchor, Anchors, centred, sigmoid};
+use super::error::misfit;
+use super::tensor::Tensor;
 use crate::manifest::GridAnchors;
+use scaleproof_core::message::Message;
 
 fn grid(stride: u32, scale_xy: f32, anchors: &[[f32; 2]]) -> GridAnchors {
     let anchors = anchors.to_vec();
@@ -39,7 +42,7 @@ pub(super) fn yolov3(
     size: [u32; 2],
     labels: usize,
     grids: &[GridAnchors],
-) -> Result<Anchors, HeadError> {
+) -> Result<Anchors, Message> {
     let grids = if grids.is_empty() { &*YOLOV3 } else { grids };
     Ok(Anchors {
         are_logits: true,
@@ -54,7 +57,7 @@ pub(super) fn yolov4(
     size: [u32; 2],
     labels: usize,
     grids: &[GridAnchors],
-) -> Result<Anchors, HeadError> {
+) -> Result<Anchors, Message> {
     let grids = if grids.is_empty() { &*YOLOV4 } else { grids };
     Ok(Anchors::new(decoded(outputs, size, labels, "yolov4", grids)?))
 }
@@ -95,9 +98,9 @@ fn decoded(
     outputs: &[Tensor],
     size: [u32; 2],
     labels: usize,
-    kind: &'static str,
+    kind: &str,
     grids: &[GridAnchors],
-) -> Result<Vec<Anchor>, HeadError> {
+) -> Result<Vec<Anchor>, Message> {
     let row = 5 + labels;
     let mut found = Vec::new();
     for GridAnchors {
@@ -132,7 +135,7 @@ fn decoded(
 ///
 /// score = objectness^0.6 · label^0.4 (so not comparable with other detectors' scores); centre = cell + tanh(offset), size =
 /// sigmoid, both as a share of the input. Source: the FastestDet repository's `handle_preds`.
-pub(super) fn fastestdet(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Anchors, HeadError> {
+pub(super) fn fastestdet(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Anchors, Message> {
     let [columns, rows] = size.map(|side| (side / 16) as usize);
     let (output, data) = Tensor::shaped(outputs, |shape| shape == [1, 5 + labels, rows, columns])
         .ok_or_else(|| misfit("fastestdet", format!("1×{}×{rows}×{columns}", 5 + labels), outputs))?;

@@ -3,9 +3,8 @@
 use super::arithmetic::of_two;
 use super::graph::Graph;
 use super::operator::{Inputs, Operator, one};
-use super::term::{Result, Term, axes_of, axis_of, bounded, broadcast};
+use super::term::{Result, Term, axes_of, axis_of, bounded, broadcast, mismatch};
 use super::view::View;
-use crate::NetworkFault;
 use crate::layers::{Each, Lines, Number, Operation, Product, Reduced, Softmax, Summary};
 use scaleproof_detect::onnx_model::Node;
 
@@ -55,7 +54,7 @@ fn reduce<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>, summ
 
 /// Product of matrices, or of stacks of them; stored turned where said.
 fn product<T: Number>(graph: &mut Graph<T>, a: &Term<T>, b: &Term<T>, turned: [bool; 2]) -> Result<Term<T>> {
-    let fault = || NetworkFault::Mismatch("matrices", a.shape.clone(), b.shape.clone());
+    let fault = || mismatch("matrices", &a.shape, &b.shape);
     let sides = |term: &Term<T>, turned: bool| match term.shape[..] {
         [.., rows, columns] => Ok(if turned { [columns, rows] } else { [rows, columns] }),
         _ => Err(fault()),

@@ -5,9 +5,9 @@ use super::combine::reduced;
 use super::graph::Graph;
 use super::operator::{Inputs, Operator, one};
 use super::run::Work;
-use super::term::{Result, Term, bounded};
-use crate::NetworkFault;
+use super::term::{Result, Term, bounded, no_axis};
 use crate::layers::{self, Each, MaxPool, Number, Operation, Separate, Summary, Transposed, Weights, Windows};
+use scaleproof_core::message::{Message, message};
 use scaleproof_detect::onnx_model::Node;
 
 /// No kernel, step or border of a detector is larger.
@@ -141,6 +141,10 @@ fn weights<T: Number>(inputs: &Inputs<T>, images: usize, groups: usize, outputs:
     })
 }
 
+fn other_channels(wanted: usize, found: usize) -> Message {
+    message!("it takes {wanted} channels and gets {found}")
+}
+
 fn groups(node: &Node) -> Result<usize> {
     let groups = usize::try_from(node.int("group").unwrap_or(1))
         .ok()
@@ -153,8 +157,7 @@ fn convolution<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>)
     let (_, [outputs, per_group, kernel_rows, kernel_columns]) = inputs.planes(1)?;
     let groups = groups(node)?;
     if per_group.checked_mul(groups) != Some(channels) {
-        let wanted = per_group.saturating_mul(groups);
-        return Err(NetworkFault::Count("channels", wanted, channels));
+        return Err(other_channels(per_group.saturating_mul(groups), channels));
     }
     let biases = inputs.optional(2).map_or(outputs, Term::count);
     if !outputs.is_multiple_of(groups) || biases != outputs {
@@ -173,7 +176,7 @@ fn transposed<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>) 
     let (_, [from, per_group, kernel_rows, kernel_columns]) = inputs.planes(1)?;
     let groups = groups(node)?;
     if from != channels || !channels.is_multiple_of(groups) {
-        return Err(NetworkFault::Count("channels", from, channels));
+        return Err(other_channels(from, channels));
     }
     let outputs = bounded([per_group, groups])?;
     if inputs.optional(2).map_or(outputs, Term::count) != outputs {
@@ -186,7 +189,7 @@ fn transposed<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>) 
         let side = whole
             .checked_sub(window.padding[axis].iter().sum())
             .filter(|side| *side > 0);
-        side.ok_or(NetworkFault::Malformed("its border is larger than the image"))
+        side.ok_or(Message::from("its border is larger than the image"))
     };
     let image = [side(0, rows)?, side(1, columns)?];
     let shape = vec![images, outputs, image[0], image[1]];
@@ -233,7 +236,7 @@ fn global<T: Number>(graph: &mut Graph<T>, inputs: &Inputs<T>, summary: Summary)
 fn batch_norm<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>) -> Result<Term<T>> {
     let x = inputs.floats(0)?;
     let mut shape = vec![1; x.shape.len().max(2)];
-    shape[1] = *x.shape.get(1).ok_or(NetworkFault::NoAxis(x.shape.len(), 1))?;
+    shape[1] = *x.shape.get(1).ok_or_else(|| no_axis(x.shape.len(), 1))?;
     let per_channel = |i: usize| inputs.floats(i)?.shaped(shape.clone());
     let (scale, shift, mean, variance) = (per_channel(1)?, per_channel(2)?, per_channel(3)?, per_channel(4)?);
     let epsilon = node.float("epsilon").map_or(1e-5, f64::from);

@@ -2,14 +2,12 @@
 
 use std::error::Error;
 
-use crate::cli::advice;
 use scaleproof_attack::evaluate::EvaluateError;
 use scaleproof_attack::run::RunError;
 use scaleproof_frames::render::RenderError;
 use scaleproof_frames::surrogate::additive::AdditiveError;
 use scaleproof_frames::surrogate::chart::SurrogateChartError;
 use scaleproof_frames::surrogate::dtn::DtnError;
-use scaleproof_gradients::WhiteBoxError;
 
 /// The option that helps.
 pub(in crate::cli) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
@@ -21,11 +19,6 @@ pub(in crate::cli) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
         SurrogateChartError::NoReference { .. } | SurrogateChartError::OtherReference { .. } => " (--reference)",
         SurrogateChartError::NothingToPredict => ", as in --flat 000000 808080 ffffff c83214",
         RunError::NoPositions { .. } => " (--laying repeated)",
-        RunError::ForwardPass { reason, .. } => match reason.as_ref() {
-            WhiteBoxError::Program(error) => advice::on(error)?,
-            WhiteBoxError::StrongestAlone { .. } => "leave --loss out".to_owned(),
-            _ => return None,
-        },
         DtnError::Additive(error) => advice(error)?,
         DtnError::NoViews { .. } => " (attack render --flat, --reference)",
         DtnError::Width { .. } => " (--width-px)",
