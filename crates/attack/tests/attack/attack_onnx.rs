@@ -783,6 +783,10 @@ fn rearrangements() -> Vec<Small> {
             vec![constant, step(operator, &["x", "n"], &["y"], &[])],
         )
     };
+    let blocks = |operator: &'static str, shape: &[usize], mode: &[Vec<u8>]| {
+        let attributes = [&[whole("blocksize", 2)], mode].concat();
+        small(operator, shape, vec![step(operator, &["x"], &["y"], &attributes)])
+    };
     // The shape of the image, computed with: rows · columns as the new last side.
     let calculated = [
         step("Shape", &["x"], &["s"], &[]),
@@ -823,6 +827,9 @@ fn rearrangements() -> Vec<Small> {
         small("Split in halves, Concat", &shape, halves.into()),
         small("Split by sizes", &shape, split.into()),
         small("Shape arithmetic", &shape, calculated.into()),
+        blocks("DepthToSpace", &[1, 8, 2, 3], &[]),
+        blocks("DepthToSpace", &[2, 12, 2, 3], &[onnx::text_attribute("mode", "CRD")]),
+        blocks("SpaceToDepth", &[1, 2, 4, 6], &[]),
     ]
 }
 
@@ -903,7 +910,7 @@ fn choices() -> Vec<Small> {
     let product = |name, parts: [Vec<u8>; 2]| small(name, &shape, parts.into());
     let vectors = constant("v", &[4], &[0.5, -1.0, 2.0, 0.25]);
     let rows = constant("v", &[3], &[0.5, -1.0, 2.0]);
-    vec![
+    let mut found = vec![
         // Before opset 13 all axes from there on are one.
         Small {
             name: "Softmax, opset 11",
@@ -921,6 +928,71 @@ fn choices() -> Vec<Small> {
             opset: 17,
             ..small("LayerNormalization", &shape, norm.into())
         },
+    ];
+    found.extend(extremes());
+    found
+}
+
+/// What is made of the index of the largest or smallest number: itself looked up, compared, or as a place in a batch.
+fn extremes() -> Vec<Small> {
+    use onnx::{step, whole_attribute as whole, whole_constant};
+    let shape = [1, 2, 3, 4];
+    let largest = [
+        step("ArgMax", &["x"], &["where"], &[whole("axis", 3)]),
+        step("GatherElements", &["x", "where"], &["y"], &[whole("axis", 3)]),
+    ];
+    let smallest = [
+        whole_constant("axes", &[1], &[1]),
+        step("ArgMin", &["x"], &["flat"], &[whole("axis", 1), whole("keepdims", 0)]),
+        step("Unsqueeze", &["flat", "axes"], &["where"], &[]),
+        step("GatherElements", &["x", "where"], &["y"], &[whole("axis", 1)]),
+    ];
+    let compared = |operator: &'static str| {
+        let parts = [
+            whole_constant("one", &[], &[1]),
+            step("ArgMax", &["x"], &["where"], &[whole("axis", 2)]),
+            step(operator, &["where", "one"], &["is"], &[]),
+            step("Cast", &["is"], &["mask"], &[whole("to", 1)]),
+            step("Mul", &["x", "mask"], &["y"], &[]),
+        ];
+        small(operator, &shape, parts.into())
+    };
+    // Rows of a batch that depend on the image, and numbers of its rows.
+    let of_batch = |name, axis: i64, order: &[i64], batch_dims: i64| {
+        let parts = [
+            whole_constant("batch", &[3], &[2, 3, 4]),
+            step("Reshape", &["x", "batch"], &["rows"], &[]),
+            step("ArgMax", &["rows"], &["best"], &[whole("axis", axis)]),
+            step(
+                "Transpose",
+                &["best"],
+                &["where"],
+                &[onnx::list_attribute("perm", order)],
+            ),
+            step(
+                "GatherND",
+                &["rows", "where"],
+                &["y"],
+                &[whole("batch_dims", batch_dims)],
+            ),
+        ];
+        small(name, &shape, parts.into())
+    };
+    let pairs = [
+        whole_constant("batch", &[3], &[2, 3, 4]),
+        whole_constant("places", &[2, 3, 2], &[0, 1, 2, 3, -1, 0, 1, 1, 0, 0, 2, -2]),
+        step("Reshape", &["x", "batch"], &["rows"], &[]),
+        step("GatherND", &["rows", "places"], &["y"], &[whole("batch_dims", 1)]),
+    ];
+    vec![
+        small("ArgMax", &shape, largest.into()),
+        small("ArgMin without its axis", &shape, smallest.into()),
+        compared("Greater"),
+        compared("Less"),
+        compared("Equal"),
+        of_batch("GatherND of a batch, rows", 1, &[0, 2, 1], 1),
+        of_batch("GatherND of two axes of a batch", 2, &[0, 1, 2], 2),
+        small("GatherND of a batch, pairs", &shape, pairs.into()),
     ]
 }
 
