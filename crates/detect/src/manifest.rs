@@ -83,6 +83,16 @@ pub struct Input {
 }
 
 impl Input {
+    /// The sides of the input tensor for an image of width × height, px.
+    pub fn shape(&self, [width, height]: [u32; 2]) -> Vec<usize> {
+        let [width, height] = [width, height].map(|side| side as usize);
+        match self.layout {
+            Layout::Nchw => vec![1, 3, height, width],
+            Layout::Nhwc => vec![1, height, width, 3],
+            Layout::Chw => vec![3, height, width],
+        }
+    }
+
     /// The photo as it is, its values from 0 to 255.
     pub(super) fn unchanged(layout: Layout, values: Values) -> Input {
         Input {

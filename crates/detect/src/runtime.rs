@@ -15,7 +15,7 @@ use ort::value::{DynValue, Tensor as OrtTensor};
 
 use super::heads::{self, Data, HeadError, Tensor};
 use super::input::{self, InputPlacement};
-use super::manifest::{Head, Input, Layout, Values};
+use super::manifest::{Head, Input, Values};
 use super::nms::{BestFirst, CandidateBox};
 use super::{Detection, HIGHEST_SCORE, MAX_DETECTIONS, Manifest};
 use scaleproof_core::files;
@@ -257,12 +257,7 @@ fn stopped_after<T>(time_limit: Duration, options: &RunOptions, work: impl FnOnc
 
 /// The image in the shape and type the network takes.
 fn image_tensor(input: &Input, tensor: Vec<f32>, placement: &InputPlacement) -> ort::Result<DynValue> {
-    let [width, height] = placement.canvas.map(|v| v as usize);
-    let shape = match input.layout {
-        Layout::Nchw => vec![1, 3, height, width],
-        Layout::Nhwc => vec![1, height, width, 3],
-        Layout::Chw => vec![3, height, width],
-    };
+    let shape = input.shape(placement.canvas);
     Ok(match input.values {
         Values::F32 => OrtTensor::from_array((shape, tensor))?.into_dyn(),
         Values::U8 => {

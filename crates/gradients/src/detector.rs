@@ -13,7 +13,7 @@ use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::message::{Message, bail, message};
 use scaleproof_core::workers;
 use scaleproof_detect::{
-    Anchor, AnchorLabels, Anchors, Data, Layout, Manifest, Resize, Tensor, Values, anchors, wants_photo_size,
+    Anchor, AnchorLabels, Anchors, Data, Manifest, Resize, Tensor, Values, anchors, wants_photo_size,
 };
 
 /// A network with its manifest and the labels that count as the model.
@@ -23,23 +23,13 @@ pub struct OnnxDetector<T = f32> {
     network: OnnxNetwork<T>,
 }
 
-impl OnnxDetector {
+impl<T: Number> OnnxDetector<T> {
     /// Reads a detector's weights. `labels`: the indices into its labels that count as the model.
     ///
     /// # Errors
     /// Labels it does not have; an input or a head that no gradient can pass; unknown operators, by their names; a
     /// network whose outputs are not those of the manifest's head.
     pub fn open(manifest: &Manifest, weights: &Path, labels: &[usize]) -> Result<Self, WhiteBoxError> {
-        OnnxDetector::open_as(manifest, weights, labels)
-    }
-}
-
-impl<T: Number> OnnxDetector<T> {
-    /// [`OnnxDetector::open`], for one that computes in 32 or in 64 bits.
-    ///
-    /// # Errors
-    /// The same.
-    pub fn open_as(manifest: &Manifest, weights: &Path, labels: &[usize]) -> Result<Self, WhiteBoxError> {
         let refused = |reason: &dyn Display| message!("{} cannot be differentiated: {reason}", manifest.name);
         workers::memory::keep();
         let shape = input_shape(manifest).map_err(|reason| refused(&reason))?;
@@ -54,7 +44,7 @@ impl<T: Number> OnnxDetector<T> {
         let detector = OnnxDetector {
             manifest: manifest.clone(),
             labels: labels.to_vec(),
-            network: OnnxNetwork::read_as(&files::read(weights)?, &file, &shape, photo_size)?,
+            network: OnnxNetwork::read(&files::read(weights)?, &file, &shape, photo_size)?,
         };
         // A head that does not fit is refused now, not at the first image.
         let [width, height] = manifest.input.size_px;
@@ -146,12 +136,7 @@ fn input_shape(manifest: &Manifest) -> Result<Vec<usize>, Message> {
     if input.values == Values::U8 {
         bail!("it takes images of 8 bits, and no gradient passes their rounding");
     }
-    let [width, height] = input.size_px.map(|side| side as usize);
-    Ok(match input.layout {
-        Layout::Nchw => vec![1, 3, height, width],
-        Layout::Nhwc => vec![1, height, width, 3],
-        Layout::Chw => vec![3, height, width],
-    })
+    Ok(input.shape(input.size_px))
 }
 
 impl<T: Number> WhiteBox for OnnxDetector<T> {

@@ -37,7 +37,7 @@ fn outputs_are_those_of_onnx_runtime() {
         let (bytes, manifest) = (std::fs::read(path).unwrap(), Manifest::named(name).unwrap());
         let shape = [1, 3, side, side];
         let started = Instant::now();
-        let network = OnnxNetwork::read(&bytes, file, &shape, Some([side as u32; 2])).unwrap();
+        let network = OnnxNetwork::<f32>::read(&bytes, file, &shape, Some([side as u32; 2])).unwrap();
         let opened = started.elapsed();
         let mut session = session(&bytes);
         let mut as_written = as_written(&bytes);
@@ -65,7 +65,7 @@ fn outputs_are_those_of_onnx_runtime() {
 
 fn opened(name: &str, file: &str, labels: &[usize]) -> (OnnxDetector, PathBuf) {
     let path = shared(&format!("detectors/{file}"));
-    let detector = OnnxDetector::open(&Manifest::named(name).unwrap(), &path, labels).unwrap();
+    let detector = OnnxDetector::<f32>::open(&Manifest::named(name).unwrap(), &path, labels).unwrap();
     (detector, path)
 }
 
@@ -102,7 +102,7 @@ fn outputs_of_other_lineages_are_those_of_onnx_runtime() {
         let bytes = std::fs::read(path).unwrap();
         let [width, height] = manifest.input.size_px.map(|side| side as usize);
         let shape = [1, 3, height, width];
-        let network = OnnxNetwork::read(&bytes, &manifest.name, &shape, None).unwrap();
+        let network = OnnxNetwork::<f32>::read(&bytes, &manifest.name, &shape, None).unwrap();
         let mut as_written = as_written(&bytes);
         let mut worst = 0.0_f32;
         for path in photos().iter().step_by(4) {
@@ -201,8 +201,8 @@ fn dot(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
 type Both = (OnnxDetector, OnnxDetector<f64>);
 
 fn both(manifest: &Manifest, path: &Path, labels: &[usize]) -> Both {
-    let exact = OnnxDetector::open_as(manifest, path, labels).unwrap();
-    (OnnxDetector::open(manifest, path, labels).unwrap(), exact)
+    let exact = OnnxDetector::open(manifest, path, labels).unwrap();
+    (OnnxDetector::<f32>::open(manifest, path, labels).unwrap(), exact)
 }
 
 /// By how much directional derivatives of the three best predictions' losses differ from central differences, relatively; the worst of some
@@ -369,7 +369,7 @@ fn time_of_one_step() {
         let car = manifest.labels.find("car").unwrap();
         (
             manifest.name.clone(),
-            OnnxDetector::open(&manifest, &path, &[car]).unwrap(),
+            OnnxDetector::<f32>::open(&manifest, &path, &[car]).unwrap(),
         )
     });
     for (name, detector) in known.into_iter().chain(others) {
@@ -1009,8 +1009,8 @@ fn every_operator_answers_and_derives_as_it_should() {
     ];
     for net in nets.into_iter().flatten() {
         let bytes = net.bytes();
-        let network =
-            OnnxNetwork::read(&bytes, net.name, &net.shape, None).unwrap_or_else(|e| panic!("{}: {e}", net.name));
+        let network = OnnxNetwork::<f32>::read(&bytes, net.name, &net.shape, None)
+            .unwrap_or_else(|e| panic!("{}: {e}", net.name));
         let mut session = session(&bytes);
         let x = spread(net.shape.iter().product(), 21);
         let theirs = by_onnx_runtime(&mut session, &net.shape, &x);
@@ -1246,7 +1246,7 @@ fn networks_that_end_as_the_families_do_are_followed() {
         let all: Vec<usize> = (0..manifest.labels.count())
             .filter(|l| manifest.labels.name(*l).is_some())
             .collect();
-        let detector = OnnxDetector::open(&manifest, &path, &all).unwrap();
+        let detector = OnnxDetector::<f32>::open(&manifest, &path, &all).unwrap();
         let predictions = detector.predictions(&picture, size).unwrap();
         // Scoring keeps boxes to a hundredth of a pixel, and none that is thinner.
         let solid = predictions
@@ -1292,7 +1292,7 @@ fn exported_networks_are_followed() {
             .manifest;
         let (bytes, [width, height]) = (std::fs::read(&path).unwrap(), manifest.input.size_px);
         let shape = [1, 3, height as usize, width as usize];
-        let network = OnnxNetwork::read(&bytes, name, &shape, None).unwrap();
+        let network = OnnxNetwork::<f32>::read(&bytes, name, &shape, None).unwrap();
         let numbers = numbers(&photo, &manifest);
         let theirs = by_onnx_runtime(&mut as_written(&bytes), &shape, &numbers);
         let worst = worst_difference(&by_network(&network, &numbers), &theirs);
@@ -1309,7 +1309,7 @@ fn a_saturated_confidence_has_a_finite_loss_and_a_gradient() {
     let path = folder.path().join("one_box.onnx");
     for bias in [-80.0_f32, 0.0, 8.0, 16.5, 17.5, 40.0, 200.0, 600.0] {
         std::fs::write(&path, one_box(bias)).unwrap();
-        let detector = OnnxDetector::open(&one_box_manifest(), &path, &[2, 5, 7]).unwrap();
+        let detector = OnnxDetector::<f32>::open(&one_box_manifest(), &path, &[2, 5, 7]).unwrap();
         let picture = vec![[0.25; 3]; 64 * 64];
         let look = detector.forward(&picture, [64, 64]).unwrap();
         let prediction = look.predictions()[0];
@@ -1356,7 +1356,7 @@ fn damaged_files_are_refused_in_a_sentence_or_read() {
                 }
             }
             all += 1;
-            if let Err(e) = OnnxNetwork::read(&bytes, "damaged.onnx", &net.shape, None) {
+            if let Err(e) = OnnxNetwork::<f32>::read(&bytes, "damaged.onnx", &net.shape, None) {
                 refused += 1;
                 let sentence = e.to_string();
                 assert!(
@@ -1417,7 +1417,7 @@ fn tensors_without_bound_are_refused_before_they_are_made() {
     ];
     for (i, parts) in nets.into_iter().enumerate() {
         let bytes = onnx::graph(&onnx::Input::floats("x", &[1, 3, 32, 32]), &parts, &["y"], 13);
-        let error = OnnxNetwork::read(&bytes, "huge.onnx", &[1, 3, 32, 32], None).err();
+        let error = OnnxNetwork::<f32>::read(&bytes, "huge.onnx", &[1, 3, 32, 32], None).err();
         let error = error.unwrap_or_else(|| panic!("network {i} is taken")).to_string();
         println!("{i}: {error}");
         assert_eq!(error.lines().count(), 1, "{i}: {error}");
@@ -1437,7 +1437,7 @@ fn what_cannot_be_followed_is_refused_in_a_sentence() {
     let path = folder.path().join("net.onnx");
     let refusal = |bytes: &[u8], manifest: &Manifest, labels: &[usize]| {
         std::fs::write(&path, bytes).unwrap();
-        let error = OnnxDetector::open(manifest, &path, labels)
+        let error = OnnxDetector::<f32>::open(manifest, &path, labels)
             .err()
             .expect("refused")
             .to_string();

@@ -35,7 +35,7 @@ static YOLOV4: LazyLock<[GridAnchors; 3]> = LazyLock::new(|| {
     ]
 });
 
-/// Grids as Darknet computes them, all logits; score = σ(objectness) · σ(label). YOLOv3's three where none are named. Source: Redmon and
+/// YOLOv3: grids as Darknet computes them, all logits; score = σ(objectness) · σ(label). Its three where none are named. Source: Redmon and
 /// Farhadi 2018.
 pub(super) fn yolov3(
     outputs: &[Tensor],
@@ -46,12 +46,12 @@ pub(super) fn yolov3(
     let grids = if grids.is_empty() { &*YOLOV3 } else { grids };
     Ok(Anchors {
         are_logits: true,
-        ..Anchors::new(decoded(outputs, size, labels, "yolov3", grids)?)
+        ..decoded(outputs, size, labels, "yolov3", grids)?
     })
 }
 
-/// Grids of the ONNX zoo's YOLOv4, with objectness and labels already sigmoid; score = objectness · label. YOLOv4's three where none are named.
-/// Source: Bochkovskiy et al. 2020.
+/// YOLOv4 of the ONNX zoo: grids with objectness and labels already sigmoid; score = objectness · label. Its three where none are named. Source:
+/// Bochkovskiy et al. 2020.
 pub(super) fn yolov4(
     outputs: &[Tensor],
     size: [u32; 2],
@@ -59,7 +59,7 @@ pub(super) fn yolov4(
     grids: &[GridAnchors],
 ) -> Result<Anchors, Message> {
     let grids = if grids.is_empty() { &*YOLOV4 } else { grids };
-    Ok(Anchors::new(decoded(outputs, size, labels, "yolov4", grids)?))
+    decoded(outputs, size, labels, "yolov4", grids)
 }
 
 /// Where the numbers of a grid's boxes lie: for n anchors and r numbers a box, 1×(n·r)×rows×columns as Darknet has them, 1×n×rows×columns×r,
@@ -100,7 +100,7 @@ fn decoded(
     labels: usize,
     kind: &str,
     grids: &[GridAnchors],
-) -> Result<Vec<Anchor>, Message> {
+) -> Result<Anchors, Message> {
     let row = 5 + labels;
     let mut found = Vec::new();
     for GridAnchors {
@@ -128,7 +128,7 @@ fn decoded(
             Anchor::new(b, output, Some(first + 4 * step), first + 5 * step, step)
         }));
     }
-    Ok(found)
+    Ok(Anchors::new(found))
 }
 
 /// FastestDet: one tensor 1×(1 + 4 + labels)×rows×columns.

@@ -31,8 +31,12 @@ pub fn anchors(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) -> Resul
     let labels = manifest.labels.count();
     let found = match &manifest.head {
         Head::Yolox(_) => tables::yolox(outputs, size, labels)?,
-        Head::Nanodet(head) => distances::nanodet(outputs, size, &head.strides, labels)?,
-        Head::Picodet(head) => distances::picodet(outputs, size, &head.strides, labels)?,
+        Head::Nanodet(head) => {
+            distances::by_stride("nanodet", outputs, size, &head.strides, labels, distances::NANODET)?
+        }
+        Head::Picodet(head) => {
+            distances::by_stride("picodet", outputs, size, &head.strides, labels, distances::PICODET)?
+        }
         Head::NanodetPlus(head) => tables::nanodet_plus(outputs, size, &head.strides, labels)?,
         Head::Fastestdet(_) => grids::fastestdet(outputs, size, labels)?,
         Head::Yolov3(head) => grids::yolov3(outputs, size, labels, &head.grids)?,

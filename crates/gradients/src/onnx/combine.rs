@@ -94,6 +94,16 @@ fn product<T: Number>(graph: &mut Graph<T>, a: &Term<T>, b: &Term<T>, turned: [b
     graph.layer(layer, &inputs, shape)
 }
 
+/// √(variance + ε)
+pub(super) fn deviation<T: Number>(node: &Node, graph: &mut Graph<T>, variance: &Term<T>) -> Result<Term<T>> {
+    let epsilon = node.float("epsilon").map_or(1e-5, f64::from);
+    let root = Each(move |v: T| {
+        let root = (v.wide() + epsilon).sqrt();
+        (T::of(root), T::of(0.5 / root))
+    });
+    graph.layer(root, &[variance], variance.shape.clone())
+}
+
 /// (x − mean) / √(variance + ε) · scale + shift, over all axes from one on.
 fn layer_norm<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>) -> Result<Term<T>> {
     let (x, scale) = (inputs.floats(0)?, inputs.floats(1)?);
@@ -105,12 +115,7 @@ fn layer_norm<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>) 
     let centred = of_two(graph, Operation::Difference, &lines, &mean)?;
     let squares = of_two(graph, Operation::Product, &centred, &centred)?;
     let variance = reduced(graph, &squares, first, Summary::Mean)?;
-    let epsilon = node.float("epsilon").map_or(1e-5, f64::from);
-    let deviation = Each(move |v: T| {
-        let root = (v.wide() + epsilon).sqrt();
-        (T::of(root), T::of(0.5 / root))
-    });
-    let deviation = graph.layer(deviation, &[&variance], variance.shape.clone())?;
+    let deviation = deviation(node, graph, &variance)?;
     let scaled = of_two(graph, Operation::Quotient, &centred, &deviation)?.shaped(x.shape.clone())?;
     let scaled = of_two(graph, Operation::Product, &scaled, scale)?;
     match inputs.optional_floats(2)? {

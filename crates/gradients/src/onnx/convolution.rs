@@ -1,12 +1,12 @@
 //! Convolution and pooling of images (rank 4: images × channels × rows × columns).
 
 use super::arithmetic::of_two;
-use super::combine::reduced;
+use super::combine::{deviation, reduced};
 use super::graph::Graph;
 use super::operator::{Inputs, Operator, one};
 use super::run::Work;
 use super::term::{Result, Term, bounded, no_axis};
-use crate::layers::{self, Each, MaxPool, Number, Operation, Separate, Summary, Transposed, Weights, Windows};
+use crate::layers::{self, MaxPool, Number, Operation, Separate, Summary, Transposed, Weights, Windows};
 use scaleproof_core::message::{Message, message};
 use scaleproof_detect::onnx_model::Node;
 
@@ -91,7 +91,12 @@ impl Window {
         bounded([channels, count[0], count[1]])?;
         let padded = |axis: usize| image[axis] + self.padding[axis][0] + self.padding[axis][1];
         bounded([channels, padded(0), padded(1)])?;
-        Ok(Windows {
+        Ok(self.on(channels, image, count))
+    }
+
+    /// So many windows on an image.
+    fn on(&self, channels: usize, image: [usize; 2], count: [usize; 2]) -> Windows {
+        Windows {
             channels,
             image,
             kernel: self.kernel,
@@ -99,7 +104,7 @@ impl Window {
             dilation: self.dilation,
             before: self.padding.map(|[before, _]| before),
             count,
-        })
+        }
     }
 
     /// Means of windows; of what lies on the image alone where the border does not count.
@@ -195,15 +200,7 @@ fn transposed<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>) 
     let shape = vec![images, outputs, image[0], image[1]];
     bounded(shape.iter().copied())?;
     bounded([per_group, kernel_rows, kernel_columns, columns])?;
-    let windows = Windows {
-        channels: images * outputs,
-        image,
-        kernel: window.kernel,
-        stride: window.stride,
-        dilation: window.dilation,
-        before: window.padding.map(|[before, _]| before),
-        count: [rows, columns],
-    };
+    let windows = window.on(images * outputs, image, [rows, columns]);
     let layer = Transposed::new(windows, weights(inputs, images, groups, channels)?);
     graph.layer(layer, &[x], shape)
 }
@@ -239,12 +236,7 @@ fn batch_norm<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>) 
     shape[1] = *x.shape.get(1).ok_or_else(|| no_axis(x.shape.len(), 1))?;
     let per_channel = |i: usize| inputs.floats(i)?.shaped(shape.clone());
     let (scale, shift, mean, variance) = (per_channel(1)?, per_channel(2)?, per_channel(3)?, per_channel(4)?);
-    let epsilon = node.float("epsilon").map_or(1e-5, f64::from);
-    let deviation = Each(move |v: T| {
-        let root = (v.wide() + epsilon).sqrt();
-        (T::of(root), T::of(0.5 / root))
-    });
-    let deviation = graph.layer(deviation, &[&variance], shape.clone())?;
+    let deviation = deviation(node, graph, &variance)?;
     let factor = of_two(graph, Operation::Quotient, &scale, &deviation)?;
     let of_mean = of_two(graph, Operation::Product, &mean, &factor)?;
     let offset = of_two(graph, Operation::Difference, &shift, &of_mean)?;

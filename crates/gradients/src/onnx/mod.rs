@@ -85,22 +85,10 @@ pub struct NetworkPass<'a, T = f32> {
     tape: Tape<'a, T>,
 }
 
-impl OnnxNetwork {
+impl<T: Number> OnnxNetwork<T> {
     /// Reads an ONNX file's bytes for images of this shape, such as [1, 3, 416, 416]; `file` is only named in errors. `photo_size`
     /// is for a network whose second input is the photo's width and height.
     pub fn read(
-        bytes: &[u8],
-        file: &str,
-        shape: &[usize],
-        photo_size: Option<[u32; 2]>,
-    ) -> Result<Self, WhiteBoxError> {
-        OnnxNetwork::read_as(bytes, file, shape, photo_size)
-    }
-}
-
-impl<T: Number> OnnxNetwork<T> {
-    /// [`OnnxNetwork::read`], for a network that computes in 32 or in 64 bits.
-    pub fn read_as(
         bytes: &[u8],
         file: &str,
         shape: &[usize],
