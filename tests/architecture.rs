@@ -237,7 +237,11 @@ fn circles(modules: &Modules) -> Vec<String> {
         modules.keys().filter(is_in).map(|file| file.join("/")).collect()
     };
     let circles: BTreeSet<Vec<String>> = modules.keys().map(|file| circle(&file)).collect();
-    circles.iter().filter(|files| !files.is_empty()).map(|files| files.join(", ")).collect()
+    circles
+        .iter()
+        .filter(|files| !files.is_empty())
+        .map(|files| files.join(", "))
+        .collect()
 }
 
 #[test]
@@ -268,7 +272,10 @@ fn circles_are_found_through_exports_and_through_files_that_export_and_define() 
     ]);
     assert_eq!(circles(&through_export), ["k/room/a, k/room/b"]);
     let defines = ("k/room", "mod a;\npub use a::A;\npub struct C;");
-    assert_eq!(circles(&of(&[defines, ("k/room/a", "use super::C;")])), ["k/room, k/room/a"]);
+    assert_eq!(
+        circles(&of(&[defines, ("k/room/a", "use super::C;")])),
+        ["k/room, k/room/a"]
+    );
     let none = of(&[
         facade,
         ("k/room/a", "// super::b\n#[cfg(test)]\nuse super::b;"),

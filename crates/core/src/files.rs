@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
+use crate::message::{Message, message};
 use crate::workers::interruption;
 use place::OutputPlace;
 use staged::Staged;
@@ -40,6 +41,12 @@ pub enum FileError {
     IsInput { path: PathBuf },
     #[error("two files would be written as {path}; give them different names", path = path.display())]
     Twice { path: PathBuf },
+}
+
+impl From<FileError> for Message {
+    fn from(error: FileError) -> Message {
+        message!("{error}").caused_by(error)
+    }
 }
 
 impl FileError {

@@ -61,6 +61,18 @@ impl Message {
     }
 }
 
+impl From<&str> for Message {
+    fn from(sentence: &str) -> Message {
+        Message::new(sentence)
+    }
+}
+
+impl From<String> for Message {
+    fn from(sentence: String) -> Message {
+        Message::new(sentence)
+    }
+}
+
 impl Display for Message {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         f.write_str(&self.sentence)

@@ -124,7 +124,10 @@ pub fn assert_refused(output: &Output, words: &[&str]) {
     assert_eq!(output.status.code(), Some(2), "exit code; standard error: {text}");
     // On a slow machine, progress stands before it.
     let is_refusal = |line: &&str| ["error: ", "no pose for "].iter().any(|start| line.starts_with(start));
-    let is_last = text.lines().next_back().as_ref().is_some_and(is_refusal);
+    // A hint may stand below it.
+    let is_hint = |line: &&str| line.starts_with("hint: ");
+    let last = text.lines().rfind(|line| !is_hint(line));
+    let is_last = last.as_ref().is_some_and(is_refusal);
     assert!(
         is_last && text.lines().filter(is_refusal).count() == 1,
         "one sentence, not: {text}"
