@@ -59,7 +59,6 @@ pub(in crate::cli) struct CheckArgs {
     json: bool,
 }
 
-
 /// Detectors, and the name and hash of each.
 type WhiteBoxes = (Vec<Box<dyn WhiteBox>>, Vec<String>);
 

@@ -311,7 +311,7 @@ fn check(request: &RenderRequest) -> Result<(), Message> {
     }
     let number = |what: &str, value: f64, wanted: &str, is_fine: bool| {
         ensure!(is_fine, "{what} cannot be {value}; give {wanted}");
-        Ok(())
+        Ok::<(), Message>(())
     };
     let within = |what: &str, value: f64, range: RangeInclusive<f64>, wanted: &str| {
         number(what, value, wanted, range.contains(&value))
