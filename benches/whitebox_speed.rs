@@ -123,7 +123,7 @@ fn answer(path: &Path) {
     let manifest = Manifest::parse(&text, &path.display().to_string()).expect("a manifest");
     let weights = path.with_file_name(&manifest.weights.file);
     let car = manifest.labels.find("car").expect("a label \"car\"");
-    let detector = OnnxDetector::open(&manifest, &weights, &[car]).expect("a detector");
+    let detector = OnnxDetector::<f32>::open(&manifest, &weights, &[car]).expect("a detector");
     let (picture, size) = picture();
     let best = detector.predictions(&picture, size).expect("predictions");
     let best = best.iter().max_by(|a, b| a.confidence.total_cmp(&b.confidence));

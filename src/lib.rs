@@ -54,9 +54,10 @@ pub use scaleproof_surface::pattern::{Pattern, PatternError};
 
 #[cfg(feature = "full")]
 pub use {
+    scaleproof_attack::AttackError,
     scaleproof_attack::run::augmentation::Eot,
     scaleproof_attack::run::view_set::{TextureMapping, ViewSet},
-    scaleproof_attack::run::{Attack, AttackConfig, CellColours, RunError},
+    scaleproof_attack::run::{Attack, AttackConfig, CellColours},
     scaleproof_frames::surrogate::projection::Grid,
     scaleproof_frames::{FrameSet, FramesError},
     scaleproof_gradients::{Boxes, WhiteBox, WhiteBoxError, detector::OnnxDetector},

@@ -393,7 +393,7 @@ fn rendered_figures_are_drawn_against_the_time_of_the_runs() {
         &[
             "out counted car as the model",
             "slow/pattern.png was made for truck",
-            "(--class)",
+            "hint: these are --class",
         ],
     );
     assert_refused(

@@ -10,24 +10,25 @@ use std::rc::Rc;
 use common::{assert_refused, home, program, read_json, stderr, stdout};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
+use scaleproof_attack::AttackError;
 use scaleproof_attack::baseline::patches::{is_seen, paint};
 use scaleproof_attack::baseline::{self, BlackBox, genetic};
 use scaleproof_attack::run::augmentation::{Augmentation, Eot, rolled};
 use scaleproof_attack::run::history::Entry;
-use scaleproof_attack::run::judge::{judge, look};
+use scaleproof_attack::run::judge::{detect, judge};
 use scaleproof_attack::run::loss::from_floor;
 use scaleproof_attack::run::penalty::{distance, nearest, smooth};
 use scaleproof_attack::run::printer::PrinterMap;
 use scaleproof_attack::run::view_set::{TextureMapping, ViewSet};
 use scaleproof_attack::run::weights::Against;
 use scaleproof_attack::run::{
-    Attack, AttackConfig, CellColours, Near, Rgb, RunError, batch, loss_and_gradient, of_image, of_pattern, to_image,
+    Attack, AttackConfig, CellColours, Near, Rgb, batch, loss_and_gradient, of_image, of_pattern, to_image,
 };
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_frames::light;
 use scaleproof_frames::surrogate::projection::Grid;
 use scaleproof_frames::surrogate::projection::world::{self, Misplacement};
-use scaleproof_frames::{FrameSet, encode_grey, encode_positions, encode_rgb, views};
+use scaleproof_frames::{FrameSet, Positions, encode_grey, encode_positions, encode_rgb, views};
 use scaleproof_gradients::{Boxes, ForwardPass, ImageLoss, MEETS_IOU, Prediction, WhiteBox, WhiteBoxError, strongest};
 use scaleproof_photo::defence::{Defence, Frame};
 use scaleproof_surface::pattern::Pattern;
@@ -165,7 +166,7 @@ fn view_set_for(laying: TextureMapping, eot: &Eot) -> ViewSet {
         rows: CELLS,
         cell_mm: 40.0,
     };
-    ViewSet::open(&[stored()], grid, (laying, eot), || {}).unwrap()
+    ViewSet::open(&[stored()], grid, laying, eot, || {}).unwrap()
 }
 
 fn detectors(gain: f64, view_set: &ViewSet) -> Vec<Box<dyn WhiteBox>> {
@@ -665,7 +666,7 @@ fn the_worst_of_several_detectors_is_misled_best_when_it_counts_most() {
         let (cells, _) = attack.run(folder.path(), |_, _| {}).unwrap();
         let views = view_set.judged();
         let image = |view| Ok(view_set.textured(view, &cells, &Augmentation::NONE).augmented.image);
-        let seen = look(&view_set, &detectors, &views, image).unwrap();
+        let seen = detect(&view_set, &detectors, &views, image).unwrap();
         seen.iter().map(|seen| seen.mean_confidence()).fold(0.0, f64::max)
     };
     let (mean, worst) = (worst_of(Against::Mean), worst_of(Against::Worst));
@@ -681,7 +682,7 @@ fn frames_of_several_models_are_looked_at_together_each_at_its_size() {
         rows: CELLS,
         cell_mm: 40.0,
     };
-    let open = |sets: &[FrameSet]| ViewSet::open(sets, grid, (TextureMapping::World, &Eot::NONE), || {}).unwrap();
+    let open = |sets: &[FrameSet]| ViewSet::open(sets, grid, TextureMapping::World, &Eot::NONE, || {}).unwrap();
     let alone = [open(&[stored()]), open(std::slice::from_ref(&attack))];
     let sizes = [stored().list.size_px, attack.list.size_px];
     let both = open(&[stored(), attack]);
@@ -815,7 +816,7 @@ fn a_run_that_goes_on_is_one_that_never_stopped() {
     bad.bad_at = Some(17);
     let broken: Vec<Box<dyn WhiteBox>> = vec![Box::new(bad)];
     let error = run(&broken, halves.path()).unwrap_err();
-    assert!(matches!(error, RunError::NotANumber { .. }), "{error}");
+    assert!(matches!(error, AttackError::NotANumber { .. }), "{error}");
     assert!(error.to_string().contains("not a number"), "{error}");
     assert!(halves.path().join("checkpoint").exists());
     let looks = Rc::new(Cell::new(0));
@@ -875,7 +876,7 @@ fn a_run_that_goes_on_is_one_that_never_stopped() {
         (&of_trucks, "(classes \"car\", here \"truck\")"),
     ] {
         let refused = Attack::begin(&view_set, &good, other, whole.path()).err().unwrap();
-        assert!(matches!(refused, RunError::OtherRun { .. }));
+        assert!(matches!(refused, AttackError::OtherRun { .. }));
         assert!(refused.to_string().contains(which), "{refused}");
     }
     // Nor do two runs that began together in one folder write over each other.
@@ -883,7 +884,7 @@ fn a_run_that_goes_on_is_one_that_never_stopped() {
     let [first, second] = [&config, &other].map(|c| Attack::begin(&view_set, &good, c, shared.path()).unwrap());
     first.run(shared.path(), |_, _| {}).unwrap();
     let refused = second.run(shared.path(), |_, _| {}).unwrap_err();
-    assert!(matches!(refused, RunError::OtherRun { .. }), "{refused}");
+    assert!(matches!(refused, AttackError::OtherRun { .. }), "{refused}");
     Attack::begin(&view_set, &good, &config, shared.path()).unwrap();
     // Half a file, and one with a single bit turned, wherever that is.
     let written = std::fs::read(whole.path().join("checkpoint")).unwrap();
@@ -896,7 +897,7 @@ fn a_run_that_goes_on_is_one_that_never_stopped() {
     for bytes in damaged {
         std::fs::write(whole.path().join("checkpoint"), bytes).unwrap();
         let refused = Attack::begin(&view_set, &good, &config, whole.path()).err().unwrap();
-        assert!(matches!(refused, RunError::Damaged { .. }));
+        assert!(matches!(refused, AttackError::Damaged { .. }));
     }
 }
 
@@ -908,7 +909,7 @@ fn a_search_that_goes_on_is_one_that_never_stopped_and_asks_nothing_twice() {
     let search = |detectors: &[Box<dyn WhiteBox>], folder: &Path| {
         let mut oracle = BlackBox::begin(&view_set, detectors, &config, folder, &|_| {})?;
         let cells = genetic::search(&mut oracle, &config)?;
-        Ok::<_, RunError>((cells, oracle.finish()?))
+        Ok::<_, AttackError>((cells, oracle.finish()?))
     };
     let (cells, entries) = search(&detectors(20.0, &view_set), whole.path()).unwrap();
     let mut bad = Weave::new(20.0, &view_set);
@@ -936,7 +937,7 @@ fn a_search_that_goes_on_is_one_that_never_stopped_and_asks_nothing_twice() {
     let refused = BlackBox::begin(&view_set, &good, &of_trucks, whole.path(), &|_| {})
         .err()
         .unwrap();
-    assert!(matches!(refused, RunError::OtherRun { .. }));
+    assert!(matches!(refused, AttackError::OtherRun { .. }));
 }
 
 #[test]
@@ -1053,10 +1054,12 @@ fn roof_seen_from(pitch_deg: f64, folder: &Path) -> FrameSet {
     write("mask.png", encode_grey(&mask).unwrap());
     let (low, high) = ([-300.0; 3], [300.0; 3]);
     let positions = hits.iter().map(|hit| hit.unwrap_or(low));
-    write(
-        "positions.png",
-        encode_positions(positions, parts, (low, high)).unwrap(),
-    );
+    let about = Positions {
+        low_mm: low,
+        high_mm: high,
+        factor: FACTOR,
+    };
+    write("positions.png", encode_positions(positions, parts, &about).unwrap());
     let roof = 1 + Side::ALL.iter().position(|s| *s == Side::Roof).unwrap() as u8;
     let sides = hits.iter().map(|hit| if hit.is_some() { roof } else { 0 }).collect();
     let sides = image::GrayImage::from_raw(parts[0], parts[1], sides).unwrap();
@@ -1102,7 +1105,7 @@ fn grazing_views_give_numbers_and_the_right_gradient() {
     for laying in [TextureMapping::World, TextureMapping::Repeated] {
         let folder = tempfile::tempdir().unwrap();
         let set = roof_seen_from(7.0, folder.path());
-        let view_set = ViewSet::open(std::slice::from_ref(&set), grid, (laying, &Eot::NONE), || {}).unwrap();
+        let view_set = ViewSet::open(std::slice::from_ref(&set), grid, laying, &Eot::NONE, || {}).unwrap();
         let detectors = detectors(30.0, &view_set);
         let cells = random_cells(5);
         let at = |cells: &[Rgb]| {
@@ -1129,8 +1132,8 @@ fn grazing_views_give_numbers_and_the_right_gradient() {
         }
         // From below, it is not seen.
         let below = tempfile::tempdir().unwrap();
-        let none = ViewSet::open(&[roof_seen_from(4.0, below.path())], grid, (laying, &Eot::NONE), || {});
-        assert!(matches!(none.err().unwrap(), RunError::NothingSeen));
+        let none = ViewSet::open(&[roof_seen_from(4.0, below.path())], grid, laying, &Eot::NONE, || {});
+        assert!(matches!(none.err().unwrap(), AttackError::NothingSeen));
     }
 }
 
@@ -1147,7 +1150,7 @@ fn camou_beats_what_it_starts_from_and_goes_on_as_if_it_had_not_stopped() {
         };
         let mut oracle = BlackBox::begin(&view_set, detectors, &config, folder, &|_| {})?;
         let cells = camou::search(&mut oracle, &config)?;
-        Ok::<_, RunError>((cells, oracle.finish()?))
+        Ok::<_, AttackError>((cells, oracle.finish()?))
     };
     let (cells, entries) = search(&detectors(60.0, &view_set), 1, whole.path()).unwrap();
     let judging = detectors(60.0, &view_set);
@@ -1251,7 +1254,8 @@ fn a_view_without_the_model_is_left_out_and_frames_without_any_are_refused() {
         ViewSet::open(
             &[FrameSet::open(copy.path()).unwrap()],
             grid,
-            (TextureMapping::World, &Eot::NONE),
+            TextureMapping::World,
+            &Eot::NONE,
             || {},
         )
     };
@@ -1267,7 +1271,7 @@ fn a_view_without_the_model_is_left_out_and_frames_without_any_are_refused() {
     let view_set = open().unwrap();
     assert_eq!((view_set.views.len(), view_set.unseen), (1, 1));
     masks.iter().for_each(hide);
-    assert!(matches!(open().err().unwrap(), RunError::NothingSeen));
+    assert!(matches!(open().err().unwrap(), AttackError::NothingSeen));
 }
 
 #[test]

@@ -694,11 +694,15 @@ fn bad_input_is_one_sentence_and_no_manifest() {
     // What the user can do about it names the options.
     let vague = [filled("output", &[1, 126, 85], 0.5)];
     let vague = onnx::network(&[picture()], &vague);
-    refused(&vague, &[], &["which are fed differently: name yours by --family"]);
+    refused(
+        &vague,
+        &[],
+        &["which are fed differently", "hint: name yours by --family"],
+    );
     let rows = [1.0, 2.0, 30.0, 40.0, 0.5, 7.0].repeat(300);
     let unnamed = onnx::network(&[picture()], &[Output::floats("o", &[1, 300, 6], rows)]);
-    refused(&unnamed, &[], &["name the labels by --labels, as coco80"]);
-    refused(&good, &["--size", "64"], &[": leave --size out"]);
+    refused(&unnamed, &[], &["hint: name the labels by --labels, as coco80"]);
+    refused(&good, &["--size", "64"], &["hint: leave --size out"]);
     refused(&good, &["--size", "64"], &["fixed at 96×64 pixels, not 64×64"]);
     refused(&good, &["--size", "7"], &["--size", "32 to 8192"]);
     refused(

@@ -7,17 +7,13 @@ use std::path::Path;
 use scaleproof_core::files;
 use scaleproof_core::message::Hint;
 use scaleproof_core::spelling::quoted;
-use scaleproof_detect::{
-    ManifestError, NetworkFormat, NoSuchClass, OutsideError, ProgramError, ProposalNote, ProposeError, RecordedError,
-    RegisterError, WeightsError,
-};
 use scaleproof_print::output::OutputError;
 use scaleproof_print::paint::PaintError;
 use scaleproof_print::tags::{Instead, TagPrintError};
 use scaleproof_print::template::TemplateError;
 use scaleproof_print::wrap::WrapError;
 use scaleproof_score::shard::ShardError;
-use scaleproof_score::{CompareError, EvaluatedDetectorError, ScoreError};
+use scaleproof_score::{CompareError, ScoreError};
 use scaleproof_surface::mesh::MeshError;
 use scaleproof_surface::pattern::PatternError;
 use scaleproof_surface::texture::TextureError;
@@ -70,28 +66,8 @@ fn advised(error: &(dyn Error + 'static)) -> String {
 /// The advice on an error that a program of any features has. Errors that say only what they wrap have none of their own.
 pub(super) fn on(error: &(dyn Error + 'static)) -> Option<String> {
     advice_by_kind! { error,
-        EvaluatedDetectorError::Weights(e) => on(e)?,
-        EvaluatedDetectorError::Recorded(e) => on(e)?,
-        EvaluatedDetectorError::NoSuchClass(e) => on(e)?,
-        EvaluatedDetectorError::Outside(e) => on(e)?,
-        RegisterError::Weights(e) => on(e)?,
-        ShardError::Detector(e) => on(e)?,
-        ScoreError::Program(e) => on(e)?,
         ScoreError::Tags(e) => on(e)?,
-        ProgramError::Lost(e) => on(e.as_ref())?,
         CompareError::NoBase { .. } => "name one of these with --base",
-        WeightsError::Missing { file, .. } => format!(", or name a folder with {file} by --detectors"),
-        WeightsError::NoCache => ", or name a folder by --detectors",
-        ManifestError::NoManifest { network, .. } => format!("run `scaleproof detectors add {}` first", network.display()),
-        ManifestError::OtherFormat { name, format } => instead_of(name, *format),
-        RecordedError::Changed { .. } => "record it again with --record",
-        NoSuchClass { .. } => " (written by `scaleproof detectors add --map`)",
-        ProposeError::OtherSize { .. } => "leave --size out",
-        ProposeError::Trial { .. } => "name the input's size by --size",
-        ProposeError::Ambiguous { .. } => "name yours by --family",
-        ProposeError::NoLabels { .. } => "name the labels by --labels, as coco80, coco91, voc20 or a file with one a line",
-        ProposalNote::LabelsByCount { .. } => "name others by --labels",
-        ProposalNote::OpenSize { .. } => ", name another by --size",
         WrapError::OtherSize { .. } =>
             "; give --length-mm, or --mesh-front and --mesh-up if the mesh lies otherwise, or correct size_mm of the scene",
         MeshError::NoModel { .. } => " (--length-mm)",
@@ -106,33 +82,8 @@ pub(super) fn on(error: &(dyn Error + 'static)) -> Option<String> {
         PaintError::NoStencil(_) => "; give a smaller --min-feature-mm or a larger --tile-mm",
         TagPrintError::TooLarge { instead: Instead::WholeMat, .. } => " (--whole-mat)",
         TagPrintError::TooLarge { instead: Instead::PlainCards, .. } => " (--plain)",
-        ProgramError::TooLong { .. } => "give it more time by --detector-timeout",
-        OutsideError::NumberedImages { .. } => "name the COCO file of its images by --images",
-        OutsideError::UnknownCategory { .. } =>
-            "say what its categories are called by --categories, and with --first-label 0 if they count from 0",
-        OutsideError::WhoseCategories { images, .. } => format!("say by --categories, which may be {} too", images.display()),
-        OutsideError::NotListed { .. } => "run the other program on it too (see `scaleproof session export`)",
         TextureError::NoCoordinates { .. } => " (--material or --faces)",
         TextureError::NoImages | TextureError::Material { .. } => "; --texture takes another image",
-    }
-}
-
-/// The way from a file of another framework to a detector.
-fn instead_of(file: &str, format: NetworkFormat) -> String {
-    let stem = Path::new(file).with_extension("");
-    let stem = stem.display();
-    match format {
-        NetworkFormat::Darknet => {
-            format!("make a detector of both files by `scaleproof detectors add {stem}.cfg {stem}.weights`")
-        }
-        NetworkFormat::PyTorch => format!(
-            "export it (Ultralytics: `yolo export model={file} format=onnx`) and add it by `scaleproof detectors add {stem}.onnx`, or run it in Python: \
-             --detector 'exec:python3 python/examples/ultralytics_yolo.py {file}' (docs/guide/detector-programs.md)"
-        ),
-        NetworkFormat::Other => format!(
-            "export it and add it by `scaleproof detectors add {stem}.onnx`, or run it in a program of yours: --detector 'exec:python3 mine.py' \
-             (docs/guide/detector-programs.md)"
-        ),
     }
 }
 

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::{Result, full, own_file};
+use scaleproof_core::message::Message;
 use scaleproof_detect::{
-    Manifest, OutsideResults, PhotoName, ProgramDefence, ProgramDetector, ProgramError, ProgramSpec, ProgramSpecError,
-    ResultsRequest,
+    Manifest, OutsideResults, PhotoName, ProgramDefence, ProgramDetector, ProgramError, ProgramSpec, ResultsRequest,
 };
 use scaleproof_score::EvaluatedDetector;
 use scaleproof_session::Session;
@@ -56,7 +56,7 @@ type NetworksAndPrograms = (Vec<String>, Vec<ProgramSpec>);
 
 impl Programs {
     /// Parts the names of detectors from programs.
-    pub(super) fn among(&self, names: &[String]) -> Result<NetworksAndPrograms, ProgramSpecError> {
+    pub(super) fn among(&self, names: &[String]) -> Result<NetworksAndPrograms, Message> {
         let (mut networks, mut programs) = (Vec::new(), Vec::new());
         for name in names.iter().map(|name| name.trim()) {
             match ProgramSpec::named(name)? {
@@ -101,7 +101,7 @@ impl Results {
         !self.results.is_empty()
     }
 
-    pub(super) fn programs(&self, names: &[String]) -> Result<NetworksAndPrograms, ProgramSpecError> {
+    pub(super) fn programs(&self, names: &[String]) -> Result<NetworksAndPrograms, Message> {
         self.programs.among(names)
     }
 

@@ -12,8 +12,9 @@ use super::criteria::{Reading, Tables};
 use super::defence;
 use super::patterns::Patterns;
 use super::{CommandResult, Outcome, Result, at_hand, own_file, progress, sessions};
+use scaleproof_core::message::Message;
 use scaleproof_core::{files, spelling, workers};
-use scaleproof_detect::{Manifest, Runtime, SpeedError, Speeds, chosen_as};
+use scaleproof_detect::{Manifest, Runtime, Speeds, chosen_as};
 use scaleproof_pose::tags::TagDetectorChoice;
 use scaleproof_score as score;
 use scaleproof_score::report;
@@ -91,7 +92,7 @@ pub(super) struct Judging {
 }
 
 impl Judging {
-    pub(super) fn speeds(&self, detectors: &[EvaluatedDetector]) -> Result<Option<Speeds>, SpeedError> {
+    pub(super) fn speeds(&self, detectors: &[EvaluatedDetector]) -> Result<Option<Speeds>, Message> {
         self.speed.as_deref().map(|path| speeds(path, detectors)).transpose()
     }
 }
@@ -241,7 +242,7 @@ pub(super) fn conclude(scores: &Scores, page: &Path, telling: &Telling, out: &mu
     Ok(Outcome::Done)
 }
 
-pub(super) fn speeds(path: &Path, detectors: &[EvaluatedDetector]) -> Result<Speeds, SpeedError> {
+pub(super) fn speeds(path: &Path, detectors: &[EvaluatedDetector]) -> Result<Speeds, Message> {
     let manifests: Vec<&Manifest> = detectors.iter().map(|c| &c.manifest).collect();
     Speeds::open(path, &manifests)
 }

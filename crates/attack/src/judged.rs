@@ -1,16 +1,17 @@
-//! Patterns on every view of some frames, as each detector sees them, against the plain model.
+//! Patterns judged on every view of some frames, compared with the plain model.
 
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::run::Rgb;
 use super::run::augmentation::Augmentation;
-use super::run::judge::{SeenByDetector, look};
-use super::run::{Rgb, RunError};
+use super::run::judge::{ViewDetections, detect};
 use super::setup::Setup;
+use crate::AttackError;
 use scaleproof_core::statistics::intervals_95;
 use scaleproof_pose::scene::Viewpoint;
 
-/// A pattern as a detector sees it.
+/// Figures of a pattern and a detector.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 #[schemars(rename = "Row")]
 pub struct JudgedPattern {
@@ -35,23 +36,23 @@ pub struct WorstDirection {
     pub mean_confidence: f64,
 }
 
-/// What a pattern is called, and its cells (sRGB, 0 to 1).
+/// Name and cells (sRGB, 0 to 1) of a pattern.
 pub type NamedCells = (String, Vec<Rgb>);
 
-/// So many around the model, the first about the front.
+/// Directions around the model, the first about the front.
 const SECTORS: usize = 8;
 
-/// Judges named patterns, the plain model first; detector by detector. `on_look` is called after each image, from any thread.
+/// Judges named patterns, the plain model first; detector by detector. `on_image` is called after each image, from any thread.
 pub fn judged(
     setup: &Setup,
     patterns: &[NamedCells],
-    on_look: impl Fn() + Sync,
-) -> Result<Vec<JudgedPattern>, RunError> {
+    on_image: impl Fn() + Sync,
+) -> Result<Vec<JudgedPattern>, AttackError> {
     let view_set = &setup.view_set;
     let views: Vec<usize> = (0..view_set.views.len()).collect();
     let seen = |(_, cells): &NamedCells| {
-        look(view_set, &setup.detectors, &views, |view| {
-            on_look();
+        detect(view_set, &setup.detectors, &views, |view| {
+            on_image();
             let textured = view_set.textured(view, cells, &Augmentation::NONE);
             Ok(textured.augmented.image)
         })
@@ -60,7 +61,7 @@ pub fn judged(
     let (mut rows, sectors) = (Vec::new(), sectors(setup));
     for (d, detector) in setup.detectors.iter().enumerate() {
         for ((pattern, _), by) in patterns.iter().zip(&seen) {
-            let (drop, drop_95) = drop(&seen[0][d], &by[d]);
+            let (drop, drop_95) = mean_drop(&seen[0][d], &by[d]);
             rows.push(JudgedPattern {
                 detector: detector.name().to_owned(),
                 pattern: pattern.clone(),
@@ -76,6 +77,7 @@ pub fn judged(
     Ok(rows)
 }
 
+/// Returns the direction of each view.
 fn sectors(setup: &Setup) -> Vec<usize> {
     let step = 360.0 / SECTORS as f64;
     let views = setup.view_set.views.iter().map(|view| {
@@ -86,7 +88,7 @@ fn sectors(setup: &Setup) -> Vec<usize> {
     views.collect()
 }
 
-/// The sector in which the model is seen best.
+/// Returns the sector in which the model is seen best.
 fn worst(sectors: &[usize], confidences: &[f64]) -> WorstDirection {
     let direction = |sector: usize| {
         let inside = sectors.iter().zip(confidences).filter(|(s, _)| **s == sector);
@@ -101,8 +103,8 @@ fn worst(sectors: &[usize], confidences: &[f64]) -> WorstDirection {
     worst.unwrap_or_default()
 }
 
-/// How much less confident a detector is than of the plain model, view by view, and its 95 % interval over the views.
-fn drop(plain: &SeenByDetector, seen: &SeenByDetector) -> (f64, Option<[f64; 2]>) {
+/// Returns the mean drop of confidence from that in the plain model, and its 95 % interval over the views.
+fn mean_drop(plain: &ViewDetections, seen: &ViewDetections) -> (f64, Option<[f64; 2]>) {
     let both = plain.confidences.iter().zip(&seen.confidences);
     let differences: Vec<f64> = both.map(|(a, b)| a - b).collect();
     let mean = |weights: &[u32]| {

@@ -1,12 +1,5 @@
 //! From frames of a model to a pattern (DTA: Suryanto et al., CVPR 2022).
 //!
-//! - [`run`]: the attack itself;
-//! - [`baseline`]: its rivals;
-//! - [`setup`]: what both are made on and against;
-//! - [`judged`]: patterns on every view of frames;
-//! - [`result`]: the files of their results;
-//! - [`evaluate`]: patterns rendered on the model, as photos with exact truth.
-//!
 //! ```
 //! use scaleproof_attack::run::batch;
 //!
@@ -18,9 +11,12 @@
 //! assert_eq!(first_three, views, "every view comes once before any comes again");
 //! ```
 
-pub mod baseline;
-pub mod evaluate;
-pub mod judged;
-pub mod result;
-pub mod run;
-pub mod setup;
+pub mod baseline; // its rivals: patterns found without gradients, patches
+mod error; // the error of the crate
+pub mod evaluate; // patterns rendered on the model, as photos with exact truth
+pub mod judged; // patterns judged on every view of frames
+pub mod result; // the files of a result
+pub mod run; // the attack itself
+pub mod setup; // the frames, views and detectors of both
+
+pub use error::AttackError;

@@ -6,7 +6,8 @@ use serde_json::json;
 
 use super::run::history::History;
 use super::run::view_set::TextureMapping;
-use super::run::{AttackConfig, Rgb, RunError, to_image};
+use super::run::{AttackConfig, Rgb, to_image};
+use crate::AttackError;
 use scaleproof_core::files;
 use scaleproof_frames::encode_rgb;
 use scaleproof_surface::pattern::card::Card;
@@ -14,16 +15,13 @@ use scaleproof_surface::pattern::card::Card;
 pub const PATTERN: &str = "pattern.png";
 pub const CONFIG: &str = "config.json";
 
-/// Writes a pattern, its card, its history, and the settings of the attack where it made it. Returns where the pattern is.
-///
-/// # Errors
-/// A folder that takes no files: then it has none of them, or those it had.
+/// Writes a pattern, its card, its history, and the settings of the attack that made it, if one did. Returns the pattern's path.
 pub fn write(
     folder: &Path,
     (cells, columns, mapping): (&[Rgb], u32, TextureMapping),
     history: &History,
     config: Option<&AttackConfig>,
-) -> Result<PathBuf, RunError> {
+) -> Result<PathBuf, AttackError> {
     let path = folder.join(PATTERN);
     let png = encode_rgb(&to_image(cells, columns))?;
     let mut about = json!({

@@ -1,9 +1,10 @@
-//! What a pattern is made on and against: frames, their views, and detectors.
+//! The frames, views and detectors that a pattern is made on and judged by.
 
+use super::run::AttackConfig;
 use super::run::augmentation::Eot;
 use super::run::history::{Entry, History};
 use super::run::view_set::{TextureMapping, ViewSet};
-use super::run::{AttackConfig, RunError};
+use crate::AttackError;
 use scaleproof_core::files;
 use scaleproof_frames::FrameSet;
 use scaleproof_frames::surrogate::projection::Grid;
@@ -29,11 +30,11 @@ impl Setup {
         eot: &Eot,
         (detectors, detector_names, classes): (Vec<Box<dyn WhiteBox>>, Vec<String>, Classes),
         on_view: impl Fn() + Sync,
-    ) -> Result<Self, RunError> {
+    ) -> Result<Self, AttackError> {
         let grid = Grid::new(mapping.grid(columns), tile_mm);
         Ok(Self {
             tile_mm,
-            view_set: ViewSet::open(&frames, grid, (mapping, eot), on_view)?,
+            view_set: ViewSet::open(&frames, grid, mapping, eot, on_view)?,
             frames_sha256: sha256(&frames),
             frames,
             detectors,

@@ -61,6 +61,18 @@ impl Message {
     }
 }
 
+impl From<&str> for Message {
+    fn from(sentence: &str) -> Message {
+        Message::new(sentence)
+    }
+}
+
+impl From<String> for Message {
+    fn from(sentence: String) -> Message {
+        Message::new(sentence)
+    }
+}
+
 impl Display for Message {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         f.write_str(&self.sentence)
@@ -139,4 +151,14 @@ macro_rules! bail {
     ($($sentence:tt)*) => { return ::core::result::Result::Err($crate::message!($($sentence)*).into()) };
 }
 
-pub use crate::{bail, message};
+/// Returns from a function with a [`Message`] where a condition does not hold, as [`bail!`](crate::bail) does: `ensure!(s < 60, "no answer for {s} s")`.
+#[macro_export]
+macro_rules! ensure {
+    ($holds:expr, $($sentence:tt)+) => {
+        if !$holds {
+            $crate::bail!($($sentence)+)
+        }
+    };
+}
+
+pub use crate::{bail, ensure, message};

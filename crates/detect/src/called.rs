@@ -6,7 +6,9 @@ use std::sync::Arc;
 use image::RgbImage;
 
 use super::program::protocol::checked;
+use super::program::untrusted;
 use super::{Detection, ForeignCard, ProgramError};
+use scaleproof_core::message::message;
 
 pub use super::program::protocol::{FoundBox, FoundLabel};
 
@@ -41,15 +43,12 @@ impl CalledDetector {
     /// # Errors
     /// The function failed, or its boxes cannot be trusted: no photo is looked at any more.
     pub fn detect(&self, file: &str, image: &Arc<RgbImage>) -> Result<Vec<Detection>, ProgramError> {
-        let detector = || self.card.name.clone();
-        let found = self.callee.find(file, image).map_err(|how| ProgramError::Called {
-            detector: detector(),
-            how,
-        })?;
-        checked(found, image.dimensions().into(), self.card.labels).map_err(|fault| ProgramError::Answer {
-            detector: detector(),
-            file: file.to_owned(),
-            fault,
-        })
+        let detector = &self.card.name;
+        let found = self
+            .callee
+            .find(file, image)
+            .map_err(|how| message!("{detector} {how}"))?;
+        let found = checked(found, image.dimensions().into(), self.card.labels);
+        Ok(found.map_err(|fault| untrusted(detector, file, fault))?)
     }
 }

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use super::manifest::is_network;
 use super::program::interpreter;
-use super::{Manifest, ManifestError, NetworkFormat, ProgramSpec, WeightFolders, WeightsError};
+use super::{Manifest, ManifestError, ProgramSpec, WeightFolders, WeightsError};
 use scaleproof_core::files::{self, FileError};
+use scaleproof_core::message::{Message, bail, message};
 
 /// The named detectors, each once, or all that ship with the program. Registered detectors take part when they are named.
 pub fn choose(names: &[String]) -> Result<Vec<Manifest>, ManifestError> {
@@ -36,8 +37,9 @@ pub fn chosen_as(manifest: &Manifest, names: &[String]) -> Result<String, FileEr
 
 fn one(name: &str) -> Result<Manifest, ManifestError> {
     if let Ok(Some(_)) = ProgramSpec::named(name) {
-        let name = name.to_owned();
-        return Err(ManifestError::Program { name });
+        bail!(
+            "{name} is a program, and here a network is needed: programs can be checked, scored, compared and attacked, and nothing else"
+        );
     }
     if name.ends_with(".toml") {
         return Manifest::open(Path::new(name));
@@ -47,38 +49,34 @@ fn one(name: &str) -> Result<Manifest, ManifestError> {
     }
     if let Some(interpreter) = interpreter(name) {
         // What stands before a colon was to be `exec:`.
-        let script = name.rsplit(':').next().unwrap_or(name).trim().to_owned();
-        let name = name.to_owned();
-        return Err(ManifestError::Script {
-            name,
-            script,
-            interpreter,
-        });
+        let script = name.rsplit(':').next().unwrap_or(name).trim();
+        bail!("{name} is a program and no detector's name: write 'exec:{interpreter} {script}'");
     }
     if let Some(format) = NetworkFormat::of(name) {
-        let name = name.to_owned();
-        return Err(ManifestError::OtherFormat { name, format });
+        let fault = message!(
+            "{name} holds {}, and networks are read from ONNX files",
+            format.in_words()
+        );
+        return Err(fault.hint(format.way_to_onnx(name)).into());
     }
     if let Some(manifest) = registered(name)? {
         return Ok(manifest);
     }
-    Manifest::named(name).map_err(|e| match e {
-        ManifestError::Unknown { name, known } => {
-            let known = [known, registered_names()].concat();
-            ManifestError::Unknown { name, known }
-        }
-        e => e,
-    })
+    Manifest::named_among(name, &registered_names())
 }
 
 /// The manifest beside an ONNX file, which must be about this file.
 fn beside(network: &Path) -> Result<Manifest, ManifestError> {
-    let (network, manifest) = (network.to_owned(), network.with_extension("toml"));
+    let manifest = network.with_extension("toml");
+    let (shown, beside) = (network.display(), manifest.display());
     if !network.is_file() {
-        return Err(ManifestError::NoNetwork { network });
+        bail!("there is no file {shown}");
     }
     if !manifest.is_file() {
-        return Err(ManifestError::NoManifest { network, manifest });
+        bail!(
+            "{shown} has no manifest {beside} beside it, which says how the network is fed and read";
+            hint: "run `scaleproof detectors add {shown}` first"
+        );
     }
     let found = Manifest::open(&manifest)?;
     let described = manifest.with_file_name(&found.weights.file);
@@ -86,27 +84,62 @@ fn beside(network: &Path) -> Result<Manifest, ManifestError> {
         return Ok(found);
     }
     let described = found.weights.file;
-    Err(ManifestError::OtherNetwork {
-        network,
-        manifest,
-        described,
-    })
+    bail!("{beside} describes {described} and not {shown}: name the manifest of this network")
+}
+
+/// What holds a network in another form than ONNX, by the ending of its file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum NetworkFormat {
+    PyTorch,
+    Darknet,
+    Other,
+}
+
+impl NetworkFormat {
+    /// `None` where the ending is of no network.
+    fn of(name: &str) -> Option<NetworkFormat> {
+        match Path::new(name).extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "pt" | "pth" | "ckpt" | "torchscript" | "safetensors" => Some(NetworkFormat::PyTorch),
+            "weights" | "cfg" => Some(NetworkFormat::Darknet),
+            "tflite" | "pb" | "h5" | "keras" | "engine" | "trt" | "mlmodel" | "xml" | "bin" | "param"
+            | "caffemodel" | "pdmodel" => Some(NetworkFormat::Other),
+            _ => None,
+        }
+    }
+
+    fn in_words(self) -> &'static str {
+        match self {
+            NetworkFormat::PyTorch => "a network of PyTorch",
+            NetworkFormat::Darknet => "part of a network of Darknet",
+            NetworkFormat::Other => "a network of another framework",
+        }
+    }
+
+    /// The way from a file of another framework to a detector.
+    fn way_to_onnx(self, file: &str) -> String {
+        let stem = Path::new(file).with_extension("");
+        let stem = stem.display();
+        match self {
+            NetworkFormat::Darknet => {
+                format!("make a detector of both files by `scaleproof detectors add {stem}.cfg {stem}.weights`")
+            }
+            NetworkFormat::PyTorch => format!(
+                "export it (Ultralytics: `yolo export model={file} format=onnx`) and add it by `scaleproof detectors add {stem}.onnx`, or run it in Python: \
+                 ‹detector› 'exec:python3 python/examples/ultralytics_yolo.py {file}' (docs/guide/detector-programs.md)"
+            ),
+            NetworkFormat::Other => format!(
+                "export it and add it by `scaleproof detectors add {stem}.onnx`, or run it in a program of yours: ‹detector› 'exec:python3 mine.py' \
+                 (docs/guide/detector-programs.md)"
+            ),
+        }
+    }
 }
 
 /// Why a detector was not registered or taken off the list.
 #[derive(Debug, thiserror::Error)]
 pub enum RegisterError {
-    #[error("no folder for detectors: set HOME or XDG_DATA_HOME")]
-    NoFolder,
-    #[error("{name} ships with scaleproof: give your detector another name in its manifest")]
-    BuiltIn { name: String },
-    #[error(
-        "a detector called {name} is registered already, and it is another one: take it off with `scaleproof detectors remove {name}`, or give \
-         yours another name in its manifest"
-    )]
-    Taken { name: String },
-    #[error("no registered detector is called {name}{registered}")]
-    NotThere { name: String, registered: String },
+    #[error(transparent)]
+    Message(#[from] Message),
     #[error(transparent)]
     Weights(#[from] WeightsError),
     #[error(transparent)]
@@ -123,6 +156,10 @@ fn folder() -> Option<PathBuf> {
 /// Where the manifest of a registered detector lies.
 fn path(name: &str) -> Option<PathBuf> {
     Some(folder()?.join(format!("{name}.toml")))
+}
+
+fn no_folder() -> Message {
+    message!("no folder for detectors: set HOME or XDG_DATA_HOME")
 }
 
 /// The names of the registered detectors, in alphabetical order.
@@ -148,9 +185,9 @@ pub fn registered(name: &str) -> Result<Option<Manifest>, ManifestError> {
 /// Keeps a manifest in the user's data folder and returns where. The weights stay where they are and are named by their whole path; those that
 /// are only to be fetched keep their address.
 pub fn register(manifest: &Manifest, folders: &WeightFolders) -> Result<PathBuf, RegisterError> {
-    let name = manifest.name.clone();
-    if Manifest::all()?.iter().any(|m| m.name == name) {
-        return Err(RegisterError::BuiltIn { name });
+    let name = &manifest.name;
+    if Manifest::all()?.iter().any(|m| m.name == *name) {
+        bail!("{name} ships with scaleproof: give your detector another name in its manifest");
     }
     let mut kept = manifest.clone();
     match folders.checked(manifest) {
@@ -162,12 +199,14 @@ pub fn register(manifest: &Manifest, folders: &WeightFolders) -> Result<PathBuf,
         Err(WeightsError::Missing { .. }) if !manifest.weights.url.is_empty() => {}
         Err(e) => return Err(e.into()),
     }
-    let path = path(&name).ok_or(RegisterError::NoFolder)?;
+    let path = path(name).ok_or_else(no_folder)?;
     let text = kept.to_toml()?;
     if !path.exists() {
         files::replace_atomically(files::folder_of(&path), &path, text.as_bytes())?;
     } else if files::read_text(&path).ok() != Some(text) {
-        return Err(RegisterError::Taken { name });
+        bail!(
+            "a detector called {name} is registered already, and it is another one: take it off with `scaleproof detectors remove {name}`, or give yours another name in its manifest"
+        );
     }
     Ok(path)
 }
@@ -180,10 +219,9 @@ pub fn unregister(name: &str) -> Result<PathBuf, RegisterError> {
             none if none.is_empty() => ": none is registered".into(),
             names => format!(": registered are {names}"),
         };
-        let name = name.to_owned();
-        return Err(RegisterError::NotThere { name, registered });
+        bail!("no registered detector is called {name}{registered}");
     }
-    let path = path(name).ok_or(RegisterError::NoFolder)?;
+    let path = path(name).ok_or_else(no_folder)?;
     files::chosen::remove(files::folder_of(&path), &path)?;
     Ok(path)
 }

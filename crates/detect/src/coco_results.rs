@@ -3,6 +3,7 @@
 //! A recording is two files: `NAME.json`, a plain COCO results list, and `NAME.provenance.json`.
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -11,6 +12,7 @@ use super::choose::names_in;
 use super::{Detection, Manifest};
 use scaleproof_core::files;
 use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::message::{Message, bail, message};
 
 /// One detection of a COCO results file (cocodataset.org, "Results format").
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -81,7 +83,7 @@ impl Recording {
     /// Reads where a detector's recording in a folder came from, and nothing else of it.
     pub fn open(folder: &Path, detector: &str) -> Result<Recording, RecordedError> {
         let (_, path) = paths(folder, detector);
-        parse(&files::read_text(&path)?, &path)
+        Ok(parse(&files::read_text(&path)?, &path)?)
     }
 
     /// Whether a folder has a detector's recording, or half of one.
@@ -98,20 +100,13 @@ impl Recording {
 
 const PROVENANCE: &str = ".provenance.json";
 
+/// Why a recording cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordedError {
     #[error(transparent)]
     File(#[from] files::FileError),
-    #[error("{path} is not a recording of detections: {message}", path = path.display())]
-    Syntax { path: PathBuf, message: String },
-    #[error("{path} is not the recording of {detector} that its provenance describes", path = path.display())]
-    Changed { path: PathBuf, detector: String },
-    #[error("{path} was recorded with other weights of {detector} (SHA-256 {found}…): record it again", path = path.display())]
-    OtherWeights {
-        path: PathBuf,
-        detector: String,
-        found: String,
-    },
+    #[error(transparent)]
+    Message(#[from] Message),
 }
 
 /// Stored detections of a session, by the SHA-256 of the photo.
@@ -126,19 +121,20 @@ impl Recorded {
         let (results_path, provenance_path) = paths(folder, &manifest.name);
         let recording: Recording = parse(&files::read_text(&provenance_path)?, &provenance_path)?;
         if recording.weights_sha256 != manifest.weights.sha256 {
-            return Err(RecordedError::OtherWeights {
-                path: provenance_path,
-                detector: manifest.name.clone(),
-                found: recording.weights_sha256.chars().take(12).collect(),
-            });
+            let found: String = recording.weights_sha256.chars().take(12).collect();
+            bail!(
+                "{} was recorded with other weights of {} (SHA-256 {found}…): record it again",
+                provenance_path.display(),
+                manifest.name
+            );
         }
         let text = files::read_text(&results_path)?;
         let is_same = files::sha256_hex(text.as_bytes()) == recording.results_sha256;
         if !is_same || recording.detector != manifest.name {
-            return Err(RecordedError::Changed {
-                path: results_path,
-                detector: manifest.name.clone(),
-            });
+            bail!(
+                "{} is not the recording of {} that its provenance describes", results_path.display(), manifest.name;
+                hint: "record it again with ‹record›"
+            );
         }
         let results: Vec<CocoResult> = parse(&text, &results_path)?;
         let by_id: BTreeMap<u64, &str> = recording.photos.iter().map(|p| (p.id, p.sha256.as_str())).collect();
@@ -153,8 +149,8 @@ impl Recorded {
         {
             let detections = by_id.get(&image_id).and_then(|sha256| by_photo.get_mut(*sha256));
             let Some(detections) = detections else {
-                let message = format!("image_id {image_id} has no photo in its provenance");
-                return Err(unreadable(&results_path, message));
+                let fault = format!("image_id {image_id} has no photo in its provenance");
+                return Err(unreadable(&results_path, fault).into());
             };
             let label = manifest
                 .labels
@@ -203,11 +199,10 @@ fn paths(folder: &Path, name: &str) -> (PathBuf, PathBuf) {
     )
 }
 
-fn parse<T: serde::de::DeserializeOwned>(text: &str, path: &Path) -> Result<T, RecordedError> {
+fn parse<T: serde::de::DeserializeOwned>(text: &str, path: &Path) -> Result<T, Message> {
     serde_json::from_str(text).map_err(|e| unreadable(path, e))
 }
 
-fn unreadable(path: &Path, message: impl ToString) -> RecordedError {
-    let (path, message) = (path.to_owned(), message.to_string());
-    RecordedError::Syntax { path, message }
+fn unreadable(path: &Path, fault: impl Display) -> Message {
+    message!("{} is not a recording of detections: {fault}", path.display())
 }

@@ -1,20 +1,13 @@
 //! Which labels of a detector count as the model: those of the class, by their own names or by those that `[class_map]` gives them.
 
 use super::{Labels, Manifest};
+use scaleproof_core::message::{Message, message};
 use scaleproof_core::spelling;
 
 /// None of the names that count is known to a detector.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "{detector} has no label {class}; {nearest}: choose another detector or class, or say what counts in a manifest of your own, as in \
-     [class_map] {example}"
-)]
-pub struct NoSuchClass {
-    detector: String,
-    class: String,
-    nearest: String,
-    example: String,
-}
+#[derive(Debug, thiserror::Error)]
+#[error(transparent)]
+pub struct NoSuchClass(Message);
 
 impl Manifest {
     /// What a label counts as: the name that `[class_map]` gives it, else its own; `None` for a number outside the labels.
@@ -36,12 +29,17 @@ impl Manifest {
         let quoted: Vec<String> = classes.iter().map(|class| format!("`{class}`")).collect();
         let wanted = classes.first().map_or("", String::as_str);
         let nearest = self.labels.nearest(wanted).into_iter().next().unwrap_or_default();
-        Err(NoSuchClass {
-            detector: self.name.clone(),
-            class: quoted.join(" or "),
-            nearest: self.labels.nearest_to(wanted),
-            example: format!("{} = {}", toml::Value::from(nearest), toml::Value::from(wanted)),
-        })
+        let fault = message!(
+            "{} has no label {}; {}: choose another detector or class, or say what counts in a manifest of your own, as in [class_map] {} = {}",
+            self.name,
+            quoted.join(" or "),
+            self.labels.nearest_to(wanted),
+            toml::Value::from(nearest),
+            toml::Value::from(wanted)
+        );
+        Err(NoSuchClass(
+            fault.hint("`scaleproof detectors add ‹map›` writes [class_map]"),
+        ))
     }
 
     /// Those of `classes` that no label of this detector counts as.

@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use scaleproof_core::message::{Message, bail, message};
 use serde::{Deserialize, Serialize};
 
 /// A list of labels: in a manifest, one of the names below or a list of its own, `["car", "truck"]`.
@@ -16,19 +17,6 @@ pub enum Labels {
     Voc20,
     /// A detector's own. Kept until the program ends, so that labels are copied as the other lists are.
     Custom(&'static [String]),
-}
-
-/// Why something is no list of labels.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum LabelsError {
-    #[error("labels are {name:?}: write \"coco80\", \"coco91\", \"voc20\" or a list of names")]
-    NoList { name: String },
-    #[error("the label {name:?} is listed twice")]
-    Twice { name: String },
-    #[error("the list of labels is empty")]
-    Empty,
-    #[error("there are {0} labels, more than the {MOST_LABELS} that are read")]
-    TooMany(usize),
 }
 
 /// More labels than any detector has.
@@ -46,11 +34,13 @@ enum WrittenLabels {
 }
 
 impl TryFrom<WrittenLabels> for Labels {
-    type Error = LabelsError;
+    type Error = Message;
 
-    fn try_from(written: WrittenLabels) -> Result<Labels, LabelsError> {
+    fn try_from(written: WrittenLabels) -> Result<Labels, Message> {
         match written {
-            WrittenLabels::Named(name) => Labels::of_list(&name).ok_or(LabelsError::NoList { name }),
+            WrittenLabels::Named(name) => Labels::of_list(&name).ok_or_else(|| {
+                message!("labels are {name:?}: write \"coco80\", \"coco91\", \"voc20\" or a list of names")
+            }),
             WrittenLabels::Custom(names) => Labels::custom(names),
         }
     }
@@ -82,21 +72,24 @@ impl Labels {
     }
 
     /// Labels by their names, in the order of their numbers; those of COCO or VOC become that list.
-    pub fn of_names(names: Vec<String>) -> Result<Labels, LabelsError> {
+    pub fn of_names(names: Vec<String>) -> Result<Labels, Message> {
         let own = || names.iter().map(|name| Some(name.as_str()));
         let is = |list: &Labels| (0..list.count()).map(|i| list.name(i)).eq(own());
         let list = [Labels::Coco80, Labels::Voc20].into_iter().find(is);
         list.map_or_else(|| Labels::custom(names.clone()), Ok)
     }
 
-    fn custom(names: Vec<String>) -> Result<Labels, LabelsError> {
+    fn custom(names: Vec<String>) -> Result<Labels, Message> {
         if names.len() > MOST_LABELS {
-            return Err(LabelsError::TooMany(names.len()));
+            bail!(
+                "there are {} labels, more than the {MOST_LABELS} that are read",
+                names.len()
+            );
         }
         let mut seen = HashSet::new();
         match names.iter().find(|name| !seen.insert(name.as_str())) {
-            Some(name) => Err(LabelsError::Twice { name: name.clone() }),
-            None if names.is_empty() => Err(LabelsError::Empty),
+            Some(name) => bail!("the label {name:?} is listed twice"),
+            None if names.is_empty() => bail!("the list of labels is empty"),
             None => Ok(Labels::Custom(Box::leak(names.into_boxed_slice()))),
         }
     }

@@ -8,100 +8,56 @@
 //! # Ok::<(), scaleproof_detect::ManifestError>(())
 //! ```
 
-mod called;
-mod choose;
-mod coco_results;
-mod counting;
-mod darknet;
+mod called; // functions of the process that find objects
+mod choose; // detectors by name, and those that a user registered
+mod coco_results; // COCO results, and recordings of detections
+mod counting; // labels that count as the model
+mod darknet; // Darknet's networks as ONNX files
+mod detection; // one box that a detector found
 #[cfg(feature = "full")]
-pub mod download;
-mod foreign;
-mod head;
-mod heads;
-mod input;
-mod labels;
-mod manifest;
-mod nms;
-mod onnx;
-mod outside;
-mod program;
-mod propose;
-mod runtime;
-mod speed;
-mod weights;
-
-use serde::{Deserialize, Serialize};
-
-use scaleproof_core::geometry::BoxPx;
+pub mod download; // weights fetched and verified
+mod foreign; // detectors that another program runs
+mod head; // output heads as a manifest states them
+mod heads; // output tensors to candidate boxes, one file a form
+mod input; // photos to input tensors, and boxes back
+mod labels; // lists of class names
+mod manifest; // manifests: files that describe a detector
+mod nms; // non-maximum suppression
+mod onnx; // ONNX files as nodes and constants
+mod outside; // detections in files of other programs
+mod program; // programs as detectors, over pipes
+mod propose; // manifests proposed for ONNX files
+mod runtime; // ONNX Runtime and its sessions
+mod speed; // times a photo takes
+mod weights; // weight files found and verified
 
 pub use called::{CalledDetector, Callee, FoundBox, FoundLabel};
 pub use choose::{RegisterError, choose, chosen_as, register, registered, registered_names, unregister};
 pub use coco_results::{CocoResult, Recorded, RecordedError, RecordedPhoto, Recording, coco_results};
 pub use counting::NoSuchClass;
-pub use darknet::{DarknetError, darknet_to_onnx, from_contents as darknet_contents_to_onnx};
+pub use darknet::{darknet_to_onnx, from_contents as darknet_contents_to_onnx};
+pub(crate) use detection::HIGHEST_SCORE;
+pub use detection::{Detection, MAX_DETECTIONS, SCORE_FLOOR};
 pub use foreign::{ForeignCard, ForeignKind};
 pub use heads::{Anchor, Anchors, Data, HeadError, Tensor, anchors, candidates, wants_photo_size};
 pub use input::{InputPlacement, tensor};
-pub use labels::{Labels, LabelsError};
+pub use labels::Labels;
 pub use manifest::{
     AnchorHead, AnchorLabels, Channels, EfficientdetHead, FirstLabel, GridAnchors, GridsHead, Head, Input, Kernel,
-    Layout, ListHead, Manifest, ManifestError, NetworkFormat, Pad, Resize, Scores, SsdBoxes, SsdHead, StridesHead,
-    TableHead, Unit, Values, Weights,
+    Layout, ListHead, Manifest, ManifestError, Pad, Resize, Scores, SsdBoxes, SsdHead, StridesHead, TableHead, Unit,
+    Values, Weights,
 };
 pub use nms::{BestFirst, CandidateBox, suppress};
 pub use onnx::model as onnx_model;
 pub use outside::{OutsideError, OutsideResults, PhotoName, PhotoNames, ResultsRequest, flat_name};
 pub use program::{
     Gradients, ProgramDefence, ProgramDetector, ProgramError, ProgramImage, ProgramPhoto, ProgramSpec,
-    ProgramSpecError, keep_programs_in_our_group, kill_programs, protocol,
+    keep_programs_in_our_group, kill_programs, protocol,
 };
 pub use propose::{
-    Family, Hints, Proposal, ProposalNote, ProposeError, height_and_width, own_name, preprocessed, propose,
-    python_names, weights_seen_from,
+    Family, Hints, Proposal, ProposeError, height_and_width, own_name, preprocessed, propose, python_names,
+    weights_seen_from,
 };
 pub use runtime::{DetectError, Detector, Runtime};
-pub use speed::{Speed, SpeedError, Speeds};
+pub use speed::{Speed, Speeds};
 pub use weights::{WeightFolders, WeightsError};
-
-/// Candidates below this score are dropped; AP needs them down to here.
-pub const SCORE_FLOOR: f64 = 0.001;
-
-/// So many candidates are kept per photo, the best first: what COCO's evaluation looks at.
-pub const MAX_DETECTIONS: usize = 100;
-
-/// A sigmoid or softmax may round up a little. What it rounded up is kept as 1, the highest score that files may have.
-const HIGHEST_SCORE: f64 = 1.001;
-
-/// One box a detector found.
-///
-/// Coordinates are rounded to 0.01 px and scores to 1e-6, so that a run and its recording are the same numbers.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Detection {
-    /// Index into the detector's labels.
-    pub label: usize,
-    /// Confidence, 0 to 1.
-    pub score: f64,
-    /// In pixels of the photo.
-    pub box_px: BoxPx,
-}
-
-impl Detection {
-    /// A detection in the precision that files keep; `None` when the numbers are not finite or the box is empty.
-    pub fn new(label: usize, score: f64, b: BoxPx) -> Option<Detection> {
-        let hundredth = |v: f64| (v * 100.0).round() / 100.0;
-        let (x1, y1) = (hundredth(b.x1), hundredth(b.y1));
-        // Width and height are what COCO files keep, so they are rounded, and the far corner follows from them.
-        let (x2, y2) = (
-            hundredth(x1 + hundredth(b.x2 - b.x1)),
-            hundredth(y1 + hundredth(b.y2 - b.y1)),
-        );
-        let box_px = BoxPx::new(x1, y1, x2, y2);
-        let score = (score * 1e6).round() / 1e6;
-        (score.is_finite() && box_px.is_solid()).then_some(Detection { label, score, box_px })
-    }
-
-    /// `[x, y, width, height]` in hundredths of a pixel.
-    pub fn to_xywh(&self) -> [f64; 4] {
-        self.box_px.to_xywh().map(|v| (v * 100.0).round() / 100.0)
-    }
-}

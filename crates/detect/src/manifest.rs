@@ -12,6 +12,7 @@ pub use super::head::{
     SsdHead, StridesHead, TableHead, Unit,
 };
 use scaleproof_core::files::{self, FileError};
+use scaleproof_core::message::{Message, bail, message};
 use scaleproof_core::spelling;
 
 /// A detector this program knows.
@@ -82,6 +83,16 @@ pub struct Input {
 }
 
 impl Input {
+    /// The sides of the input tensor for an image of width × height, px.
+    pub fn shape(&self, [width, height]: [u32; 2]) -> Vec<usize> {
+        let [width, height] = [width, height].map(|side| side as usize);
+        match self.layout {
+            Layout::Nchw => vec![1, 3, height, width],
+            Layout::Nhwc => vec![1, height, width, 3],
+            Layout::Chw => vec![3, height, width],
+        }
+    }
+
     /// The photo as it is, its values from 0 to 255.
     pub(super) fn unchanged(layout: Layout, values: Values) -> Input {
         Input {
@@ -183,74 +194,16 @@ pub enum Channels {
 
 /// Why a manifest was refused.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum ManifestError {
-    #[error("no detector is called {name}: choose from {}{}", known.join(", "), spelling::hint(name, known.iter().map(String::as_str)))]
-    Unknown { name: String, known: Vec<String> },
-    #[error("{name} is a program and no detector's name: write 'exec:{interpreter} {script}'")]
-    Script {
-        name: String,
-        script: String,
-        interpreter: &'static str,
-    },
-    #[error("{name} holds {}, and networks are read from ONNX files", format.in_words())]
-    OtherFormat { name: String, format: NetworkFormat },
-    #[error("the manifest {file} is not valid: {message}")]
-    Syntax { file: String, message: String },
-    #[error("the manifest {file} calls its detector {name}, which ships with scaleproof: give it another name")]
-    Taken { file: String, name: String },
-    #[error("there is no file {network}", network = network.display())]
-    NoNetwork { network: PathBuf },
-    #[error("{network} has no manifest {manifest} beside it, which says how the network is fed and read", network = network.display(), manifest = manifest.display())]
-    NoManifest { network: PathBuf, manifest: PathBuf },
-    #[error("{manifest} describes {described} and not {network}: name the manifest of this network", network = network.display(), manifest = manifest.display())]
-    OtherNetwork {
-        network: PathBuf,
-        manifest: PathBuf,
-        described: String,
-    },
-    #[error(
-        "{name} is a program, and here a network is needed: programs can be checked, scored, compared and attacked, and nothing else"
-    )]
-    Program { name: String },
+    #[error(transparent)]
+    Message(#[from] Message),
     #[error(transparent)]
     File(#[from] FileError),
 }
 
-/// What holds a network in another form than ONNX, by the ending of its file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NetworkFormat {
-    PyTorch,
-    Darknet,
-    Other,
-}
-
-impl NetworkFormat {
-    /// `None` where the ending is of no network.
-    pub(super) fn of(name: &str) -> Option<NetworkFormat> {
-        match Path::new(name).extension()?.to_str()?.to_ascii_lowercase().as_str() {
-            "pt" | "pth" | "ckpt" | "torchscript" | "safetensors" => Some(NetworkFormat::PyTorch),
-            "weights" | "cfg" => Some(NetworkFormat::Darknet),
-            "tflite" | "pb" | "h5" | "keras" | "engine" | "trt" | "mlmodel" | "xml" | "bin" | "param"
-            | "caffemodel" | "pdmodel" => Some(NetworkFormat::Other),
-            _ => None,
-        }
-    }
-
-    fn in_words(self) -> &'static str {
-        match self {
-            NetworkFormat::PyTorch => "a network of PyTorch",
-            NetworkFormat::Darknet => "part of a network of Darknet",
-            NetworkFormat::Other => "a network of another framework",
-        }
-    }
-}
-
-impl ManifestError {
-    pub(super) fn syntax(file: &str, message: &str) -> ManifestError {
-        let (file, message) = (file.to_owned(), message.replace('\n', " "));
-        ManifestError::Syntax { file, message }
-    }
+/// Refuses a manifest's text.
+pub(super) fn invalid(file: &str, fault: &str) -> Message {
+    message!("the manifest {file} is not valid: {}", fault.replace('\n', " "))
 }
 
 /// Files of results are named by it, with endings.
@@ -277,14 +230,20 @@ impl Manifest {
         BUILT_IN.map(|(file, _)| file.trim_end_matches(".toml"))
     }
 
-    /// One detector by its name.
+    /// One detector that ships with the program, by its name.
     pub fn named(name: &str) -> Result<Manifest, ManifestError> {
+        Manifest::named_among(name, &[])
+    }
+
+    /// [`Manifest::named`], where a refusal also lists detectors that are `registered`.
+    pub(super) fn named_among(name: &str, registered: &[String]) -> Result<Manifest, ManifestError> {
         let all = Manifest::all()?;
-        let known: Vec<String> = all.iter().map(|m| m.name.clone()).collect();
+        let mut known: Vec<String> = all.iter().map(|m| m.name.clone()).collect();
+        known.extend_from_slice(registered);
         let found = all.into_iter().find(|m| m.name == name);
         found.ok_or_else(|| {
-            let name = name.to_owned();
-            ManifestError::Unknown { name, known }
+            let hint = spelling::hint(name, known.iter().map(String::as_str));
+            message!("no detector is called {name}: choose from {}{hint}", known.join(", ")).into()
         })
     }
 
@@ -310,10 +269,8 @@ impl Manifest {
         let file = path.display().to_string();
         let mut manifest = Manifest::parse(&files::read_text(path)?, &file)?;
         if Manifest::all()?.iter().any(|m| m.name == manifest.name) {
-            return Err(ManifestError::Taken {
-                file,
-                name: manifest.name,
-            });
+            let name = manifest.name;
+            bail!("the manifest {file} calls its detector {name}, which ships with scaleproof: give it another name");
         }
         manifest.folder = Some(path.parent().unwrap_or(Path::new("")).to_owned());
         Ok(manifest)
@@ -321,14 +278,14 @@ impl Manifest {
 
     /// Parses the text of a manifest; `file` is only named in errors.
     pub fn parse(text: &str, file: &str) -> Result<Manifest, ManifestError> {
-        let manifest: Manifest = toml::from_str(text).map_err(|e| ManifestError::syntax(file, e.message()))?;
-        manifest.check().map_err(|fault| ManifestError::syntax(file, &fault))?;
+        let manifest: Manifest = toml::from_str(text).map_err(|e| invalid(file, e.message()))?;
+        manifest.check().map_err(|fault| invalid(file, &fault))?;
         Ok(manifest)
     }
 
     /// The text of this manifest, which [`Manifest::parse`] reads as the same.
     pub fn to_toml(&self) -> Result<String, ManifestError> {
-        let text = toml::to_string(self).map_err(|e| ManifestError::syntax(&self.name, &e.to_string()))?;
+        let text = toml::to_string(self).map_err(|e| invalid(&self.name, &e.to_string()))?;
         Manifest::parse(&text, &self.name)?;
         Ok(text)
     }

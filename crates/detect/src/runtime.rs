@@ -1,6 +1,7 @@
 //! ONNX Runtime: found and loaded once, then one session per detector and thread.
 
-use std::path::{Path, PathBuf};
+use std::fmt::Display;
+use std::path::Path;
 use std::sync::OnceLock;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
@@ -14,35 +15,26 @@ use ort::value::{DynValue, Tensor as OrtTensor};
 
 use super::heads::{self, Data, HeadError, Tensor};
 use super::input::{self, InputPlacement};
-use super::manifest::{Head, Input, Layout, Values};
+use super::manifest::{Head, Input, Values};
 use super::nms::{BestFirst, CandidateBox};
 use super::{Detection, HIGHEST_SCORE, MAX_DETECTIONS, Manifest};
 use scaleproof_core::files;
 use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::message::{Message, bail, message};
 use scaleproof_core::workers::stopwatch::{Stage, timed};
 
 /// Why a detector could not run.
-#[derive(Debug, Clone, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DetectError {
-    #[error(
-        "ONNX Runtime was not found ({tried}): start scaleproof through ./run, or set ORT_DYLIB_PATH to libonnxruntime.so"
-    )]
-    NoRuntime { tried: String },
-    #[error("{path} is not a model ONNX Runtime can load: {reason}", path = path.display())]
-    Model { path: PathBuf, reason: String },
-    #[error("{detector} failed: {reason}")]
-    Run { detector: String, reason: String },
+    #[error(transparent)]
+    Message(#[from] Message),
     #[error("{detector} answered with {what}: no box of it can be trusted")]
     NotANumber {
         detector: String,
         /// A NaN, an infinity or a box that is not finite, and where.
         what: String,
     },
-    #[error(
-        "{detector} gives a box the score {score}: was it exported without its sigmoid, or is its head another one?"
-    )]
-    NotAScore { detector: String, score: f64 },
     #[error(
         "{detector} has not answered within {seconds} s and was stopped: its network may run in an endless loop, so export it again, \
          or use another one"
@@ -63,8 +55,11 @@ pub struct Runtime {
 impl Runtime {
     /// Loads ONNX Runtime from `$ORT_DYLIB_PATH`, else from `lib` beside the program, else from the system's library path.
     pub fn load() -> Result<&'static Runtime, DetectError> {
-        static RUNTIME: OnceLock<Result<Runtime, DetectError>> = OnceLock::new();
-        RUNTIME.get_or_init(load).as_ref().map_err(Clone::clone)
+        static RUNTIME: OnceLock<Result<Runtime, String>> = OnceLock::new();
+        let loaded = RUNTIME.get_or_init(load).as_ref();
+        Ok(loaded.map_err(|tried| {
+            message!("ONNX Runtime was not found ({tried}): start scaleproof through ./run, or set ORT_DYLIB_PATH to libonnxruntime.so")
+        })?)
     }
 
     /// Version and build of the loaded library, for provenance.
@@ -73,14 +68,13 @@ impl Runtime {
     }
 }
 
-fn load() -> Result<Runtime, DetectError> {
+/// Loads the library; the error has its name and why it cannot be used.
+fn load() -> Result<Runtime, String> {
     let file = files::environment::text("ORT_DYLIB_PATH").unwrap_or_else(default_library);
-    let missing = |reason: String| DetectError::NoRuntime {
-        tried: format!("{file}: {reason}"),
-    };
-    let builder = ort::init_from(&file).map_err(|e| missing(first_line(&e)))?;
+    let missing = |e: &dyn Display| format!("{file}: {}", first_line(&e));
+    let builder = ort::init_from(&file).map_err(|e| missing(&e))?;
     let named = builder.with_telemetry(false).with_name("scaleproof");
-    let environment = named.build().map_err(|e| missing(first_line(&e)))?;
+    let environment = named.build().map_err(|e| missing(&e))?;
     // What a network says of itself would reach the terminal as it is; complaints come back as errors.
     environment.set_log_level(LogLevel::Fatal);
     Ok(Runtime {
@@ -128,10 +122,7 @@ impl Detector {
     /// [`Manifest::least_px`], or brought to [`Manifest::opencv_linear_px`]; boxes are in pixels of the full photo.
     pub fn detect_reduced(&mut self, photo: &RgbImage, width: u32, height: u32) -> Result<Vec<Detection>, DetectError> {
         let detector = || self.manifest.name.clone();
-        let failed = |reason: String| DetectError::Run {
-            detector: detector(),
-            reason,
-        };
+        let failed = |reason: String| DetectError::from(message!("{} failed: {reason}", self.manifest.name));
         let not_a_number = |what: String| DetectError::NotANumber {
             detector: detector(),
             what,
@@ -159,10 +150,10 @@ impl Detector {
         };
         let candidates = BestFirst::new(candidates, self.manifest.head.nms_iou());
         if let Some(score) = candidates.highest_score().filter(|score| *score > HIGHEST_SCORE) {
-            return Err(DetectError::NotAScore {
-                detector: detector(),
-                score,
-            });
+            bail!(
+                "{} gives a box the score {score}: was it exported without its sigmoid, or is its head another one?",
+                self.manifest.name
+            );
         }
         let [w, h] = placement.photo;
         let to_photo = |b: BoxPx| {
@@ -191,7 +182,7 @@ fn within_photo(candidates: Vec<CandidateBox>, placement: &InputPlacement) -> Ve
     candidates.into_iter().filter_map(cut).collect()
 }
 
-pub(super) fn session(runtime: &Runtime, weights: &Path) -> Result<Session, DetectError> {
+pub(super) fn session(runtime: &Runtime, weights: &Path) -> Result<Session, Message> {
     let load = || {
         Session::builder(&runtime.environment)?
             .with_optimization_level(GraphOptimizationLevel::Level3)?
@@ -199,9 +190,9 @@ pub(super) fn session(runtime: &Runtime, weights: &Path) -> Result<Session, Dete
             .with_log_level(LogLevel::Fatal)?
             .commit_from_file(weights)
     };
-    load().map_err(|e: ort::Error| DetectError::Model {
-        path: weights.to_owned(),
-        reason: first_line(&e),
+    load().map_err(|e: ort::Error| {
+        let (path, reason) = (weights.display(), first_line(&e));
+        message!("{path} is not a model ONNX Runtime can load: {reason}")
     })
 }
 
@@ -266,12 +257,7 @@ fn stopped_after<T>(time_limit: Duration, options: &RunOptions, work: impl FnOnc
 
 /// The image in the shape and type the network takes.
 fn image_tensor(input: &Input, tensor: Vec<f32>, placement: &InputPlacement) -> ort::Result<DynValue> {
-    let [width, height] = placement.canvas.map(|v| v as usize);
-    let shape = match input.layout {
-        Layout::Nchw => vec![1, 3, height, width],
-        Layout::Nhwc => vec![1, height, width, 3],
-        Layout::Chw => vec![3, height, width],
-    };
+    let shape = input.shape(placement.canvas);
     Ok(match input.values {
         Values::F32 => OrtTensor::from_array((shape, tensor))?.into_dyn(),
         Values::U8 => {

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{DetectError, Detector, Manifest, Runtime};
 use scaleproof_core::files::{self, FileError};
+use scaleproof_core::message::{Message, bail, message};
 
 /// Each photo is detected so often; its fastest round counts, which other programs on the machine disturb least.
 pub(super) const ROUNDS: u32 = 20;
@@ -46,16 +47,6 @@ pub struct Speed {
     pub ms_per_photo: f64,
     /// Times of the fastest and the slowest photo.
     pub ms_range: [f64; 2],
-}
-
-#[derive(Debug, thiserror::Error)]
-pub enum SpeedError {
-    #[error(transparent)]
-    File(#[from] FileError),
-    #[error("{path} is not a file of `scaleproof detectors speed`: {message}", path = path.display())]
-    Content { path: PathBuf, message: String },
-    #[error("{path} was measured with other weights of {detector}: measure again with `scaleproof detectors speed`", path = path.display())]
-    OtherWeights { path: PathBuf, detector: String },
 }
 
 impl Speeds {
@@ -97,11 +88,9 @@ impl Speeds {
     }
 
     /// Reads a file of times; those of detectors that are not among `manifests` are passed over.
-    pub fn open(path: &Path, manifests: &[&Manifest]) -> Result<Speeds, SpeedError> {
-        let content = |message: String| SpeedError::Content {
-            path: path.to_owned(),
-            message,
-        };
+    pub fn open(path: &Path, manifests: &[&Manifest]) -> Result<Speeds, Message> {
+        let shown = path.display();
+        let content = |fault: String| message!("{shown} is not a file of `scaleproof detectors speed`: {fault}");
         let mut speeds: Speeds = serde_json::from_str(&files::read_text(path)?).map_err(|e| content(e.to_string()))?;
         let mut names = BTreeSet::new();
         for speed in &speeds.detectors {
@@ -118,8 +107,10 @@ impl Speeds {
         speeds.detectors.retain(|speed| manifest_of(speed).is_some());
         let is_other = |speed: &&Speed| manifest_of(speed).is_some_and(|m| m.weights.sha256 != speed.weights_sha256);
         if let Some(speed) = speeds.detectors.iter().find(is_other) {
-            let (path, detector) = (path.to_owned(), speed.detector.clone());
-            return Err(SpeedError::OtherWeights { path, detector });
+            bail!(
+                "{shown} was measured with other weights of {}: measure again with `scaleproof detectors speed`",
+                speed.detector
+            );
         }
         Ok(speeds)
     }

@@ -5,13 +5,19 @@ use std::path::{Path, PathBuf};
 use super::Manifest;
 use super::onnx::external_files;
 use scaleproof_core::files;
+use scaleproof_core::message::{Hint, Message, message};
 
 /// Why a detector's weights cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WeightsError {
     #[error("no weights for {name}: {remedy}")]
-    Missing { name: String, file: String, remedy: String },
+    Missing {
+        name: String,
+        remedy: String,
+        #[source]
+        hint: Hint,
+    },
     #[error("{files} is not the file {name} was described with (SHA-256 {found}…, expected {expected}…): {remedy}")]
     WrongHash {
         name: String,
@@ -23,8 +29,8 @@ pub enum WeightsError {
     },
     #[error(transparent)]
     File(#[from] files::FileError),
-    #[error("no folder for downloads: set HOME or XDG_CACHE_HOME")]
-    NoCache,
+    #[error(transparent)]
+    Message(#[from] Message),
 }
 
 /// The folders weights are looked up in, in order.
@@ -54,7 +60,11 @@ impl WeightFolders {
 
     /// The folder that `fetch` downloads into: the named one, else the user's cache.
     pub fn download_folder(&self) -> Result<PathBuf, WeightsError> {
-        self.named.clone().or_else(user_cache).ok_or(WeightsError::NoCache)
+        let folder = self.named.clone().or_else(user_cache);
+        folder.ok_or_else(|| {
+            let fault = message!("no folder for downloads: set HOME or XDG_CACHE_HOME");
+            fault.hint("name a folder by ‹detectors›").into()
+        })
     }
 
     /// Where a detector's weights lie, if anywhere; not yet checked.
@@ -74,7 +84,8 @@ impl WeightFolders {
         let remedy = |by_hand: String, with: &str| if has_url { format!("{with} {fetch}") } else { by_hand };
         let Some(path) = self.find(manifest) else {
             let remedy = remedy(format!("put {file} beside its manifest"), "get them with");
-            return Err(WeightsError::Missing { name, file, remedy });
+            let hint = Hint::new(format!("a folder that has {file} is named by ‹detectors›"));
+            return Err(WeightsError::Missing { name, remedy, hint });
         };
         let Some(found) = other_hash(manifest, &path)? else {
             return Ok(path);

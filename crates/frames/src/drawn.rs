@@ -1,15 +1,16 @@
-//! What a pinhole camera sees of a mesh, as images of a frame: masks, and where the paint is.
+//! A mesh as a pinhole camera sees it, as images of a frame: masks, and positions of the paint.
 
 use std::path::{Path, PathBuf};
 
 use image::{GrayImage, Luma};
 
-use super::raster::{Raster, outline};
-use super::{Frame, FramesError, Pinhole, Positions, encode_grey, encode_positions};
+use crate::raster::{Raster, outline};
+use crate::{Frame, FramesError, Pinhole, Positions, encode_grey, encode_positions};
 use scaleproof_core::geometry::{BoxPx, Rigid};
 use scaleproof_surface::mesh::{Mesh, Triangle, doubled_area};
 use scaleproof_surface::pattern::world_aligned::Side;
 
+/// Masks and positions of a frame.
 pub struct DrawnMesh {
     pub object_mask: GrayImage,
     pub paint_mask: GrayImage,
@@ -20,10 +21,7 @@ pub struct DrawnMesh {
 }
 
 impl DrawnMesh {
-    /// The images as the files that a frame names, below a folder.
-    ///
-    /// # Errors
-    /// Only if an encoder fails.
+    /// Encodes the images as the files that a frame names, below a folder.
     pub fn files(
         &self,
         folder: &Path,
@@ -35,8 +33,8 @@ impl DrawnMesh {
             (folder.join(&frame.paint_mask), encode_grey(&self.paint_mask)?),
         ];
         if let (Some(file), Some(sides)) = (&frame.positions, &frame.sides) {
-            let (places, bounds_mm) = (self.positions.iter().copied(), (positions.low_mm, positions.high_mm));
-            let encoded = encode_positions(places, self.sides.dimensions().into(), bounds_mm)?;
+            let places = self.positions.iter().copied();
+            let encoded = encode_positions(places, self.sides.dimensions().into(), positions)?;
             files.push((folder.join(file), encoded));
             files.push((folder.join(sides), encode_grey(&self.sides)?));
         }
@@ -44,32 +42,34 @@ impl DrawnMesh {
     }
 }
 
-/// The side that each triangle of the paint belongs to; `None` for what is no paint. No `materials` are all.
+/// Finds the side of the model that each triangle of the paint belongs to; `None` for what is no paint. No `materials` are all.
 pub fn paint_sides(mesh: &Mesh, materials: &[usize]) -> Vec<Option<Side>> {
     let is_paint = |t: &Triangle| materials.is_empty() || materials.contains(&t.material);
     let side = |t: &Triangle| is_paint(t).then(|| Side::facing(&doubled_area(&mesh.corners_mm(t))));
     mesh.triangles().iter().map(side).collect()
 }
 
-/// A side in the `sides` images: 1 and its place in [`Side::ALL`].
-pub fn number(side: Side) -> u8 {
+/// Returns the value of a side in `sides` images: 1 + its index in [`Side::ALL`].
+pub fn side_number(side: Side) -> u8 {
     1 + side as u8
 }
 
-/// The level in a mask of a pixel of whose `factor`² places so many are covered.
+/// Returns the mask level (0 to 255) of a pixel of whose `factor`² places `count` are covered.
 pub fn level(count: u32, factor: u32) -> u8 {
     (255.0 * f64::from(count) / f64::from(factor * factor)).round() as u8
 }
 
-/// The part of the mesh's box that is in an image of this size.
-pub fn seen_box(around: &BoxPx, size_px: [u32; 2]) -> Option<BoxPx> {
+/// Clips the mesh's box to an image of this size; `None` when nothing is left.
+pub fn clip_box(around: &BoxPx, size_px: [u32; 2]) -> Option<BoxPx> {
     let [width, height] = size_px.map(f64::from);
     Some(around.clipped(width, height)).filter(BoxPx::is_solid)
 }
 
-/// Looks at the centres of `factor`² parts of each pixel. `None` when part of the mesh is not before the camera.
+/// Draws a mesh at the centres of `factor`² parts of each pixel; `paint` is the side of each triangle ([`paint_sides`]). `None` when part of the mesh
+/// is not before the camera.
 pub fn draw(
-    (mesh, paint): (&Mesh, &[Option<Side>]),
+    mesh: &Mesh,
+    paint: &[Option<Side>],
     pose: &Rigid,
     pinhole: &Pinhole,
     size_px: [u32; 2],
@@ -89,7 +89,7 @@ pub fn draw(
             if let Some(paint) = paint.get(hit.triangle).copied().flatten() {
                 painted.get_pixel_mut(x / factor, y / factor).0[0] += 1;
                 place = raster.point(at.0, at.1, &hit).coords.into();
-                *side = Luma([number(paint)]);
+                *side = Luma([side_number(paint)]);
             }
         }
         positions.push(place);
@@ -102,6 +102,6 @@ pub fn draw(
         paint_mask: painted,
         positions,
         sides,
-        box_xyxy_px: outline(mesh, pose, pinhole).and_then(|around| seen_box(&around, size_px)),
+        box_xyxy_px: outline(mesh, pose, pinhole).and_then(|around| clip_box(&around, size_px)),
     })
 }

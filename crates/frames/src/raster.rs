@@ -2,28 +2,29 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::Pinhole;
+use crate::Pinhole;
 use scaleproof_core::geometry::{BoxPx, PlaneTriangle, Rigid};
 use scaleproof_surface::mesh::{Mesh, doubled_area};
 
-/// A corner nearer than this is not drawn from: the camera is in the model.
+/// Least depth of a corner: nearer, the camera is in the model.
 const NEAREST_MM: f64 = 1.0;
-/// So far a point lies behind the plane of what hides it, at least. Less is the same surface, in other triangles.
+/// Least distance of a point behind the plane of a triangle that hides it. Less is the same surface, in other triangles.
 const BEHIND_MM: f64 = 1.0;
-/// And so many pixels' footprints further away than what is seen there.
+/// Least difference of depth between the point and that triangle, in pixels' footprints.
 const BEHIND_PX: f64 = 3.0;
-/// Around the model where its outline is looked at.
+/// Margin around the model in [`Raster::whole`].
 const MARGIN_PX: i64 = 2;
 
+/// Surface that a pixel shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
-    /// Along the camera's axis, mm.
+    /// Depth along the camera's axis, mm.
     pub depth_mm: f64,
     /// Index into the mesh's triangles.
     pub triangle: usize,
 }
 
-/// A mesh as one camera sees it. Both sides of a triangle are seen: shells have only one.
+/// Z-buffer of a mesh in one camera. Both sides of a triangle are seen: shells have only one.
 pub struct Raster<'a> {
     mesh: &'a Mesh,
     /// `T_camera_model`.
@@ -34,10 +35,10 @@ pub struct Raster<'a> {
     hits: Vec<Option<Hit>>,
 }
 
-/// A corner of the mesh in an image: pixel and depth.
+/// Corner of the mesh in an image: pixel and depth (mm).
 type Corner = ([f64; 2], f64);
 
-/// The mesh's corners in an image; `None` when one is not before the camera.
+/// Projects the mesh's corners; `None` when one is not before the camera.
 fn corners(mesh: &Mesh, pose: &Rigid, pinhole: &Pinhole) -> Option<Vec<Corner>> {
     let corner = |p: &Point3<f64>| {
         let p = pose * p;
@@ -46,19 +47,19 @@ fn corners(mesh: &Mesh, pose: &Rigid, pinhole: &Pinhole) -> Option<Vec<Corner>> 
     mesh.points().iter().map(corner).collect()
 }
 
-/// The box around the mesh's projected corners, pixel (0, 0) is the centre of the top-left pixel; `None` when a corner is not before the camera.
+/// Returns the box around the mesh's projected corners, pixel (0, 0) is the centre of the top-left pixel; `None` when a corner is not before the camera.
 pub fn outline(mesh: &Mesh, pose: &Rigid, pinhole: &Pinhole) -> Option<BoxPx> {
     BoxPx::around(corners(mesh, pose, pinhole)?.into_iter().map(|(pixel, _)| pixel))
 }
 
-/// Pixel of a point in the camera frame.
+/// Projects a point of the camera frame.
 fn pixel(pinhole: &Pinhole, p: &Point3<f64>) -> [f64; 2] {
     let [cx, cy] = pinhole.centre_px;
     let f = pinhole.focal_length_px;
     [f * p.x / p.z + cx, f * p.y / p.z + cy]
 }
 
-/// The point at depth 1 that a pixel shows.
+/// Returns the point at depth 1 on the ray of a pixel, camera frame.
 pub fn ray(pinhole: &Pinhole, [x, y]: [f64; 2]) -> Point3<f64> {
     let [cx, cy] = pinhole.centre_px;
     let f = pinhole.focal_length_px;
@@ -66,13 +67,13 @@ pub fn ray(pinhole: &Pinhole, [x, y]: [f64; 2]) -> Point3<f64> {
 }
 
 impl<'a> Raster<'a> {
-    /// What an image of this size shows; `None` when part of the mesh is not before the camera.
+    /// Draws an image of this size (width, height; px); `None` when part of the mesh is not before the camera.
     pub fn image(mesh: &'a Mesh, pose: &Rigid, pinhole: &Pinhole, size: [usize; 2]) -> Option<Self> {
         let corners = corners(mesh, pose, pinhole)?;
-        Some(Self::drawn((mesh, &corners), pose, pinhole, size.map(|side| (0, side))))
+        Some(Self::drawn(mesh, &corners, pose, pinhole, size.map(|side| (0, side))))
     }
 
-    /// The whole mesh, also what lies beyond the image, up to its width and height on each side.
+    /// Draws the whole mesh, also what lies beyond the image, up to its width and height on each side.
     pub fn whole(mesh: &'a Mesh, pose: &Rigid, pinhole: &Pinhole, size: [usize; 2]) -> Option<Self> {
         let corners = corners(mesh, pose, pinhole)?;
         let around = BoxPx::around(corners.iter().map(|(pixel, _)| *pixel))?;
@@ -83,15 +84,10 @@ impl<'a> Raster<'a> {
             (low, (high - low) as usize)
         };
         let window = [span(around.x1, around.x2, size[0]), span(around.y1, around.y2, size[1])];
-        Some(Self::drawn((mesh, &corners), pose, pinhole, window))
+        Some(Self::drawn(mesh, &corners, pose, pinhole, window))
     }
 
-    fn drawn(
-        (mesh, corners): (&'a Mesh, &[Corner]),
-        pose: &Rigid,
-        pinhole: &Pinhole,
-        window: [(i64, usize); 2],
-    ) -> Self {
+    fn drawn(mesh: &'a Mesh, corners: &[Corner], pose: &Rigid, pinhole: &Pinhole, window: [(i64, usize); 2]) -> Self {
         let mut raster = Self {
             mesh,
             pose: *pose,
@@ -133,7 +129,7 @@ impl<'a> Raster<'a> {
         }
     }
 
-    /// What a pixel shows; nothing beyond the window.
+    /// Returns the surface at a pixel; `None` beyond the window.
     pub fn at(&self, x: i64, y: i64) -> Option<Hit> {
         let [(left, width), (top, height)] = self.window;
         let (column, row) = (x - left, y - top);
@@ -141,14 +137,14 @@ impl<'a> Raster<'a> {
         is_inside.then(|| self.hits[row as usize * width + column as usize])?
     }
 
-    /// The surface point (model frame, mm) at a pixel's centre.
+    /// Returns the surface point (model frame, mm) at a pixel's centre.
     pub fn point(&self, x: i64, y: i64, hit: &Hit) -> Point3<f64> {
         let ray = ray(&self.pinhole, [x as f64, y as f64]);
         self.pose
             .inverse_transform_point(&Point3::from(ray.coords * hit.depth_mm))
     }
 
-    /// Whether this camera sees a point of a triangle (model frame, mm) from the side that another camera's centre lies on, and nothing but
+    /// Returns true when this camera sees a point of a triangle (model frame, mm) from the side that another camera's centre lies on, and nothing but
     /// triangles of its kind in the pixels around it: light from there has strayed into a photo's pixel.
     pub fn sees(
         &self,

@@ -6,30 +6,48 @@ use std::path::{Component, Path, PathBuf};
 use image::{ColorType, RgbImage};
 use nalgebra::{Matrix3, Point3};
 
-use super::images::{Coverage, read_png};
-use super::{FORMAT, Frame, FrameList, FramePaint, FrameSet, FramesError, LIST, SurfacePoint, require, views};
+use crate::images::{Coverage, read_png};
+use crate::{FORMAT, Frame, FrameList, FramePaint, FramesError, LIST, of_file, views};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::message::{Message, bail, ensure, message};
 use scaleproof_core::statistics::upper_median;
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::world_aligned::Side;
 
-/// Images of more pixels a side are no frames.
+/// Largest side of an image, px.
 const MAX_SIDE_PX: u32 = 8192;
-/// Cameras with a longer focal length, or a centre further from the image, are no cameras, px.
+/// Largest focal length and coordinate of the principal point, px.
 const MAX_CAMERA_PX: f64 = 1e6;
-/// Cameras further from the model are no cameras, mm.
+/// Largest coordinate of a camera, mm.
 const MAX_DISTANCE_MM: f64 = 1e8;
-/// How far points may be off in the middle, px: they are stored to a fraction of a millimetre, at the centres of parts of pixels.
+/// Largest median error of the projected points, px: they are stored to a fraction of a millimetre, at the centres of parts of pixels.
 const MOST_OFF_PX: f64 = 1.0;
-/// Rotations may be off by rounding.
+/// Tolerance of a rotation's orthonormality.
 const RIGID_TOLERANCE: f64 = 1e-4;
+
+/// Frames of one camera, without their pixels.
+#[derive(Debug, Clone)]
+pub struct FrameSet {
+    /// The folder of `frames.json`.
+    pub folder: PathBuf,
+    /// The content of `frames.json`.
+    pub list: FrameList,
+    /// SHA-256 of `frames.json` when the set was opened.
+    pub sha256: String,
+}
+
+/// The paint at one point of an image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfacePoint {
+    /// Model frame; without meaning where there is no paint.
+    pub place_mm: [f64; 3],
+    /// The side the paint belongs to; `None` where there is no paint.
+    pub side: Option<Side>,
+}
 
 impl FrameSet {
     /// Opens the frames in a folder and checks all but the images.
-    ///
-    /// # Errors
-    /// No or a damaged `frames.json`, unknown keys, a file named that is not there, impossible poses.
     pub fn open(folder: &Path) -> Result<Self, FramesError> {
         let path = folder.join(LIST);
         let text = files::read_text(&path)?;
@@ -39,57 +57,45 @@ impl FrameSet {
             list,
             sha256: files::sha256_hex(text.as_bytes()),
         };
-        check(&set).map_err(|message| FileError::content(&path, message))?;
+        check(&set).map_err(of_file(&path))?;
         Ok(set)
     }
 
-    /// Opens several folders of frames.
-    ///
-    /// # Errors
-    /// Folders that hold no frames, and the same frames twice: their views would count twice, and intervals be too narrow.
+    /// Opens several folders of frames, none of them twice: its views would count twice, and intervals be too narrow.
     pub fn open_all<'a>(folders: impl IntoIterator<Item = &'a PathBuf>) -> Result<Vec<Self>, FramesError> {
         let mut opened = Vec::<Self>::new();
         for folder in folders {
             let set = Self::open(folder)?;
             if let Some(same) = opened.iter().find(|known| known.sha256 == set.sha256) {
-                let (first, again) = (same.folder.clone(), set.folder);
-                return Err(FramesError::Twice { first, again });
+                let (first, again) = (same.folder.display(), set.folder.display());
+                bail!("{first} and {again} are the same frames: name them once");
             }
             opened.push(set);
         }
         Ok(opened)
     }
 
-    /// How many views (poses at a place) there are frames of.
+    /// Counts the views (poses at a place).
     pub fn view_count(&self) -> usize {
         views(&self.list.frames).len()
     }
 
-    /// The image of a frame, 8-bit sRGB.
-    ///
-    /// # Errors
-    /// A file that is missing, damaged or of another size.
+    /// Reads the image of a frame, 8-bit sRGB.
     pub fn rgb(&self, frame: &Frame) -> Result<RgbImage, FramesError> {
         Ok(self.image(&frame.rgb, "rgb image", ColorType::Rgb8)?.into_rgb8())
     }
 
-    /// How much of each pixel the model covers.
-    ///
-    /// # Errors
-    /// As of [`FrameSet::rgb`].
+    /// Reads how much of each pixel the model covers.
     pub fn object_mask(&self, frame: &Frame) -> Result<Coverage, FramesError> {
         self.coverage(&frame.object_mask, "object mask")
     }
 
-    /// How much of each pixel the paint covers.
-    ///
-    /// # Errors
-    /// As of [`FrameSet::rgb`].
+    /// Reads how much of each pixel the paint covers.
     pub fn paint_mask(&self, frame: &Frame) -> Result<Coverage, FramesError> {
         self.coverage(&frame.paint_mask, "paint mask")
     }
 
-    /// Linear light, row by row; `None` where the frame has none.
+    /// Reads the image in linear light, row by row; `None` where the frame has none.
     pub fn linear(&self, frame: &Frame) -> Result<Option<Vec<[f32; 3]>>, FramesError> {
         let (Some(file), Some(max)) = (&frame.linear, self.list.linear_max) else {
             return Ok(None);
@@ -99,10 +105,7 @@ impl FrameSet {
         Ok(Some(image.pixels().map(|p| p.0.map(value)).collect()))
     }
 
-    /// What is at the centre of each part of each pixel, row by row of the finer image. `None` where the frame does not tell.
-    ///
-    /// # Errors
-    /// As of [`FrameSet::rgb`]; positions that camera and pose see elsewhere.
+    /// Reads the surface point at the centre of each part of each pixel, row by row of the finer image; `None` for a frame without positions.
     pub fn surface(&self, frame: &Frame) -> Result<Option<Vec<SurfacePoint>>, FramesError> {
         let (Some(file), Some(sides), Some(about)) = (&frame.positions, &frame.sides, &self.list.positions) else {
             return Ok(None);
@@ -111,10 +114,10 @@ impl FrameSet {
         let at = |file: &String| self.folder.join(file);
         let positions = read_png(&at(file), "positions image", size, ColorType::Rgb16)?.into_rgb16();
         let image = read_png(&at(sides), "sides image", size, ColorType::L8)?.into_luma8();
-        require(image.pixels().all(|p| usize::from(p.0[0]) <= Side::ALL.len()), || {
+        if image.pixels().any(|p| usize::from(p.0[0]) > Side::ALL.len()) {
             let message = "a side is above 6; sides are 0 for no paint and 1 to 6: make the frame again";
-            FileError::content(&at(sides), message)
-        })?;
+            return Err(FileError::content(&at(sides), message).into());
+        }
         let place = |p: [u16; 3]| {
             std::array::from_fn(|i| {
                 let share = f64::from(p[i]) / 65535.0;
@@ -138,7 +141,7 @@ impl FrameSet {
         Ok(Some(points))
     }
 
-    /// The pattern on the model, and the width of one repeat in mm.
+    /// Reads the pattern on the model, with the width of one repeat in mm; `None` for another paint.
     pub fn pattern(&self, frame: &Frame) -> Result<Option<(Pattern, f64)>, FramesError> {
         match &frame.paint {
             FramePaint::Pattern { file, tile_mm } => Ok(Some((Pattern::load(&self.folder.join(file))?, *tile_mm))),
@@ -146,10 +149,7 @@ impl FrameSet {
         }
     }
 
-    /// Reads every image of a frame, and holds its masks and its box against each other.
-    ///
-    /// # Errors
-    /// An image that is damaged, of another size or kind; no paint, or paint outside the object; a box that does not meet the object.
+    /// Checks every image of a frame: that it can be read, that there is paint and none outside the object, and that the object meets its box.
     pub fn check_images(&self, frame: &Frame) -> Result<(), FramesError> {
         self.rgb(frame)?;
         self.linear(frame)?;
@@ -165,14 +165,14 @@ impl FrameSet {
                 format!("the paint at column {x}, row {y} is outside the object: one of the masks is of another frame");
             return Err(content(&frame.paint_mask, &message).into());
         }
-        let no_paint = || content(&frame.paint_mask, "no paint is seen: take the frame out of the list");
-        require(paint.pixels().any(|p| p.0[0] > 0), no_paint)?;
+        if paint.pixels().all(|p| p.0[0] == 0) {
+            return Err(content(&frame.paint_mask, "no paint is seen: take the frame out of the list").into());
+        }
         let both = frame.box_xyxy_px.zip(outline(&object));
-        let meets = both.is_none_or(|(stated, seen)| stated.iou(&seen) != 0.0);
-        require(meets, || {
+        if both.is_some_and(|(stated, seen)| stated.iou(&seen) == 0.0) {
             let message = "the object does not meet the frame's box_xyxy_px: one of them is of another frame";
-            content(&frame.object_mask, message)
-        })?;
+            return Err(content(&frame.object_mask, message).into());
+        }
         Ok(())
     }
 
@@ -185,7 +185,7 @@ impl FrameSet {
     }
 }
 
-/// The box around what is covered by half or more, in the convention of pixel centres; `None` when nothing is.
+/// Returns the box around what is covered by half or more, in the convention of pixel centres; `None` when nothing is.
 pub fn outline(mask: &Coverage) -> Option<BoxPx> {
     let covered = mask.enumerate_pixels().filter(|(_, _, p)| p.0[0] >= 128);
     BoxPx::around(covered.flat_map(|(x, y, _)| {
@@ -194,7 +194,7 @@ pub fn outline(mask: &Coverage) -> Option<BoxPx> {
     }))
 }
 
-/// serde's words as one sentence with the line.
+/// Converts serde's error to one sentence with the line.
 pub fn syntax(path: &Path, e: &serde_json::Error) -> FileError {
     let text = e.to_string();
     let message = match text.split(" at line ").next().unwrap_or(&text) {
@@ -204,8 +204,8 @@ pub fn syntax(path: &Path, e: &serde_json::Error) -> FileError {
     FileError::syntax(path, e.line(), message.to_owned())
 }
 
-/// The median distance between where points of the paint are seen and where camera and pose project them to, px; a point behind the camera is
-/// infinitely far off. `None` without any paint. `points`: row by row of the image, `factor` times as fine along each side.
+/// Returns the median reprojection error of the points of the paint, px; that of a point behind the camera is infinite. `None` without any paint.
+/// `points`: row by row of the image, `factor` times as fine along each side.
 fn median_off_px(list: &FrameList, frame: &Frame, points: &[SurfacePoint], factor: u32) -> Option<f64> {
     let (camera, pose) = (list.camera(), frame.pose());
     let (width, factor) = ((list.size_px[0] * factor) as usize, f64::from(factor));
@@ -219,74 +219,86 @@ fn median_off_px(list: &FrameList, frame: &Frame, points: &[SurfacePoint], facto
     upper_median(&all)
 }
 
-fn check(set: &FrameSet) -> Result<(), String> {
+fn check(set: &FrameSet) -> Result<(), Message> {
     let list = &set.list;
-    require(list.format == FORMAT, || {
-        format!("the format is '{}', and this program reads '{FORMAT}'", list.format)
-    })?;
-    require(list.size_px.iter().all(|px| (1..=MAX_SIDE_PX).contains(px)), || {
-        format!("size_px must be 1 to {MAX_SIDE_PX} along both sides")
-    })?;
+    let format = &list.format;
+    ensure!(
+        format == FORMAT,
+        "the format is '{format}', and this program reads '{FORMAT}'"
+    );
+    let is_size = list.size_px.iter().all(|px| (1..=MAX_SIDE_PX).contains(px));
+    ensure!(is_size, "size_px must be 1 to {MAX_SIDE_PX} along both sides");
     let camera = &list.camera;
     let numbers = [camera.focal_length_px, camera.centre_px[0], camera.centre_px[1]];
     let is_camera = camera.focal_length_px > 0.0 && numbers.iter().all(|v| v.abs() <= MAX_CAMERA_PX);
-    require(is_camera, || {
-        format!("the camera's focal_length_px must be above 0, and neither it nor its centre_px beyond {MAX_CAMERA_PX}")
-    })?;
+    ensure!(
+        is_camera,
+        "the camera's focal_length_px must be above 0, and neither it nor its centre_px beyond {MAX_CAMERA_PX}"
+    );
     let is_light = list.linear_max.is_none_or(|max| max > 0.0 && max.is_finite());
-    require(is_light, || "linear_max must be above 0".to_owned())?;
+    ensure!(is_light, "linear_max must be above 0");
     if let Some(about) = &list.positions {
         let grows =
             (0..3).all(|i| about.high_mm[i] > about.low_mm[i] && (about.high_mm[i] - about.low_mm[i]).is_finite());
         let most = MAX_SIDE_PX / list.size_px[0].max(list.size_px[1]);
-        require(grows && (1..=most).contains(&about.factor), || {
-            format!("positions must have a high_mm above its low_mm and a factor of 1 to {most}")
-        })?;
+        let is_range = grows && (1..=most).contains(&about.factor);
+        ensure!(
+            is_range,
+            "positions must have a high_mm above its low_mm and a factor of 1 to {most}"
+        );
     }
-    require(!list.frames.is_empty(), || "it lists no frames".to_owned())?;
+    ensure!(!list.frames.is_empty(), "it lists no frames");
     let mut names = HashSet::new();
     for frame in &list.frames {
         let name = &frame.name;
-        require(names.insert(name), || format!("the frame {name} is listed twice"))?;
-        check_frame(set, frame).map_err(|problem| format!("frame {name}: {problem}"))?;
+        ensure!(names.insert(name), "the frame {name} is listed twice");
+        check_frame(set, frame).map_err(|problem| message!("frame {name}: {problem}"))?;
     }
     Ok(())
 }
 
-fn check_frame(set: &FrameSet, frame: &Frame) -> Result<(), String> {
+fn check_frame(set: &FrameSet, frame: &Frame) -> Result<(), Message> {
     for (key, file) in frame.files() {
         let mut parts = Path::new(file).components();
         let is_below = !file.is_empty() && parts.all(|part| matches!(part, Component::Normal(_)));
-        require(is_below, || {
-            format!("{key} '{file}' is not a path below the folder of the frames")
-        })?;
-        require(set.folder.join(file).is_file(), || {
-            format!("{key} '{file}' is not there: make the frame again, or take it out of the list")
-        })?;
+        ensure!(is_below, "{key} '{file}' is not a path below the folder of the frames");
+        let is_there = set.folder.join(file).is_file();
+        ensure!(
+            is_there,
+            "{key} '{file}' is not there: make the frame again, or take it out of the list"
+        );
     }
     let [width, height] = set.list.size_px.map(f64::from);
     let in_image = |b: BoxPx| b.clipped(width, height).is_solid();
-    let check = |holds: bool, reason: &str| require(holds, || reason.to_owned());
     let has_max = frame.linear.is_none() || set.list.linear_max.is_some();
-    check(has_max, "it has a linear image, but the list has no linear_max")?;
+    ensure!(has_max, "it has a linear image, but the list has no linear_max");
     let both = frame.positions.is_some() == frame.sides.is_some();
-    check(both, "positions and sides belong together: give both or neither")?;
+    ensure!(both, "positions and sides belong together: give both or neither");
     let has_bounds = frame.positions.is_none() || set.list.positions.is_some();
-    let reason = "it has positions, but the list does not say what their values mean";
-    check(has_bounds, reason)?;
+    ensure!(
+        has_bounds,
+        "it has positions, but the list does not say what their values mean"
+    );
     if let FramePaint::Pattern { tile_mm, .. } = frame.paint {
         let is_width = tile_mm > 0.0 && tile_mm.is_finite();
-        check(is_width, "the tile_mm of its pattern must be above 0")?;
+        ensure!(is_width, "the tile_mm of its pattern must be above 0");
     }
     let is_solid = frame.box_xyxy_px.is_none_or(|b| b.is_solid());
-    check(is_solid, "its box_xyxy_px is empty: give [x1, y1, x2, y2] in pixels")?;
-    let reason = "its box_xyxy_px lies outside the image: give it in pixels of the image";
-    check(frame.box_xyxy_px.is_none_or(in_image), reason)?;
-    let reason = "its T_camera_model is no rotation and translation: give a 4×4 matrix, row by row, mm";
-    check(is_pose(&frame.t_camera_model), reason)
+    ensure!(is_solid, "its box_xyxy_px is empty: give [x1, y1, x2, y2] in pixels");
+    let is_inside = frame.box_xyxy_px.is_none_or(in_image);
+    ensure!(
+        is_inside,
+        "its box_xyxy_px lies outside the image: give it in pixels of the image"
+    );
+    let is_pose = is_pose(&frame.t_camera_model);
+    ensure!(
+        is_pose,
+        "its T_camera_model is no rotation and translation: give a 4×4 matrix, row by row, mm"
+    );
+    Ok(())
 }
 
-/// Whether a matrix is a rotation and a translation that a camera can have.
+/// Returns true for a matrix that is a rotation and a possible translation.
 fn is_pose(rows: &[[f64; 4]; 4]) -> bool {
     let rotation = Matrix3::from_fn(|r, c| rows[r][c]);
     let off = (rotation * rotation.transpose() - Matrix3::identity()).abs().max();

@@ -4,69 +4,56 @@ use image::imageops::replace;
 use image::{Rgb, RgbImage};
 use nalgebra::{Point3, Vector3};
 
-use super::Pinhole;
-use super::raster::{Raster, outline};
+use crate::Pinhole;
+use crate::raster::{Raster, outline};
 use scaleproof_core::geometry::Rigid;
+use scaleproof_core::message::{Message, ensure, message};
 use scaleproof_pose::scene::Viewpoint;
 use scaleproof_pose::simulate::looking_at;
 use scaleproof_surface::mesh::{Mesh, doubled_area};
 use scaleproof_surface::pattern::light;
 use scaleproof_surface::texture::{SurfacePoint, Texture};
 
+/// Samples along each side of a pixel.
 const FACTOR: u32 = 3;
-/// The share of the light that comes from everywhere.
+/// Share of the light that is ambient.
 const AMBIENT: f64 = 0.4;
-/// The direction from the surface to the lamp, camera frame: to the right, down and along the camera's axis.
+/// Direction from the surface to the lamp, camera frame (OpenCV).
 const LAMP: [f64; 3] = [-0.4, -0.7, -0.6];
 
 /// Horizontal field of view of a view from around.
 pub const FIELD_OF_VIEW_DEG: f64 = 30.0;
-/// The share of the image's width or height that the model takes at most while it is turned.
+/// Largest share of the image's width or height that the model takes while it is turned.
 const FILLED: f64 = 0.94;
-/// Azimuths at which it is held against the image.
+/// Azimuths at which that share is measured.
 const TURNS: u32 = 24;
 
-/// Halvings of the interval in which the distance is looked for.
+/// Bisections of the interval of the distance.
 const STEPS: usize = 8;
 
-#[derive(Debug, thiserror::Error)]
-pub enum ShadedError {
-    #[error("the sides of a view are 16 to 4096 px, not {width} × {height}")]
-    BadSize { width: u32, height: u32 },
-    #[error("a pitch of {pitch_deg}° cannot be drawn; give -89 to 89")]
-    BadPitch { pitch_deg: f64 },
-}
-
+/// A mesh and the texture of each of its materials.
 pub struct ShadedModel<'a> {
     pub mesh: &'a Mesh,
     pub textures: Vec<&'a Texture>,
 }
 
 impl ShadedModel<'_> {
-    /// The whole model from some azimuths, from as far away as it takes from any at this pitch; and how far that is from its middle, mm. `on_view`
-    /// is called after each.
+    /// Draws the whole model from some azimuths, all at the least distance from which it is whole from any azimuth at this pitch. Returns the images
+    /// and the distance to the model's middle, mm. `on_view` is called after each.
     pub fn around(
         &self,
         azimuths_deg: &[f64],
         pitch_deg: f64,
         size_px: [u32; 2],
         on_view: impl Fn(),
-    ) -> Result<(Vec<RgbImage>, f64), ShadedError> {
+    ) -> Result<(Vec<RgbImage>, f64), Message> {
         let [width, height] = size_px;
-        if size_px.iter().any(|px| !(16..=4096).contains(px)) {
-            return Err(ShadedError::BadSize { width, height });
-        }
-        let (low, high) = self.mesh.bounds_mm();
-        let middle = nalgebra::center(&low, &high);
+        ensure!(
+            size_px.iter().all(|px| (16..=4096).contains(px)),
+            "the sides of a view are 16 to 4096 px, not {width} × {height}"
+        );
         let pinhole = Pinhole::with_field_of_view(size_px, FIELD_OF_VIEW_DEG);
-        let pose = |azimuth_deg, distance_mm| {
-            let viewpoint = Viewpoint {
-                azimuth_deg,
-                pitch_deg,
-                distance_mm,
-            };
-            looking_at(&viewpoint, middle)
-        };
+        let pose = |azimuth_deg, distance_mm| pose_around(self.mesh, azimuth_deg, pitch_deg, distance_mm);
         let is_whole = |distance_mm: f64| {
             let mut turns = (0..TURNS).map(|i| 360.0 * f64::from(i) / f64::from(TURNS));
             turns.all(|turn| {
@@ -78,10 +65,10 @@ impl ShadedModel<'_> {
                 })
             })
         };
-        // The ball around the model is whole from the larger distance.
-        let radius = 0.5 * (high - low).norm();
-        let half_angle = (0.5 * FILLED * f64::from(width.min(height)) / pinhole.focal_length_px).atan();
-        let (mut near, mut far) = (radius, radius / half_angle.sin());
+        let (mut near, mut far) = (
+            radius_mm(self.mesh),
+            distance_of_whole(self.mesh, FILLED, &pinhole, size_px),
+        );
         for _ in 0..STEPS {
             let distance_mm = 0.5 * (near + far);
             if is_whole(distance_mm) {
@@ -93,12 +80,13 @@ impl ShadedModel<'_> {
         let image = |azimuth_deg: &f64| {
             let image = (pitch_deg.abs() <= 89.0).then(|| self.draw(&pose(*azimuth_deg, far), &pinhole, size_px));
             on_view();
-            image.flatten().ok_or(ShadedError::BadPitch { pitch_deg })
+            let bad = || message!("a pitch of {pitch_deg}° cannot be drawn; give -89 to 89");
+            image.flatten().ok_or_else(bad)
         };
         Ok((azimuths_deg.iter().map(image).collect::<Result<_, _>>()?, far))
     }
 
-    /// Each pixel is the mean of its points in linear light. `None` when part of the model is not before the camera.
+    /// Draws a view, each pixel the mean of its samples in linear light; `None` when part of the model is not before the camera.
     pub fn draw(&self, pose: &Rigid, pinhole: &Pinhole, [width, height]: [u32; 2]) -> Option<RgbImage> {
         let size = [width, height].map(|px| (px * FACTOR) as usize);
         let raster = Raster::image(self.mesh, pose, &pinhole.finer(FACTOR), size)?;
@@ -137,13 +125,32 @@ impl ShadedModel<'_> {
     }
 }
 
-/// Images side by side on one.
-const COLUMNS: usize = 4;
+fn radius_mm(mesh: &Mesh) -> f64 {
+    let (low, high) = mesh.bounds_mm();
+    0.5 * (high - low).norm()
+}
 
-/// Views of one size in rows, on white.
-pub fn side_by_side(views: &[RgbImage]) -> RgbImage {
+/// Returns the distance from which the ball around a mesh takes a share of an image's shorter side, mm.
+pub(crate) fn distance_of_whole(mesh: &Mesh, share: f64, pinhole: &Pinhole, [width, height]: [u32; 2]) -> f64 {
+    let half_angle = (0.5 * share * f64::from(width.min(height)) / pinhole.focal_length_px).atan();
+    radius_mm(mesh) / half_angle.sin()
+}
+
+/// Returns the pose of a camera that looks at the middle of a mesh.
+pub(crate) fn pose_around(mesh: &Mesh, azimuth_deg: f64, pitch_deg: f64, distance_mm: f64) -> Rigid {
+    let (low, high) = mesh.bounds_mm();
+    let viewpoint = Viewpoint {
+        azimuth_deg,
+        pitch_deg,
+        distance_mm,
+    };
+    looking_at(&viewpoint, nalgebra::center(&low, &high))
+}
+
+/// Puts views of one size in rows of up to `columns`, on white.
+pub fn side_by_side(views: &[RgbImage], columns: usize) -> RgbImage {
     let (width, height) = views.first().map_or((1, 1), RgbImage::dimensions);
-    let columns = views.len().clamp(1, COLUMNS);
+    let columns = views.len().clamp(1, columns);
     let rows = views.len().div_ceil(columns);
     let mut all = RgbImage::from_pixel(width * columns as u32, height * rows as u32, Rgb([255; 3]));
     for (i, view) in views.iter().enumerate() {
@@ -153,6 +160,7 @@ pub fn side_by_side(views: &[RgbImage]) -> RgbImage {
     all
 }
 
+/// Returns the barycentric weights of a point of a triangle.
 fn weights(corners: &[Point3<f64>; 3], p: &Point3<f64>) -> [f64; 3] {
     let whole = doubled_area(corners);
     let [a, b, c] = corners;

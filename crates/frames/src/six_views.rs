@@ -1,15 +1,12 @@
 //! A model from its six sides, with its paint in a colour of its own: to see whether the axes and the paint of a mesh are right.
 
-use image::{Rgb, RgbImage, imageops::replace};
-use nalgebra::Point3;
+use image::{Rgb, RgbImage};
 
-use super::Pinhole;
-use super::raster::Raster;
-use super::shaded::{FIELD_OF_VIEW_DEG, ShadedModel};
+use crate::Pinhole;
+use crate::raster::Raster;
+use crate::shaded::{FIELD_OF_VIEW_DEG, ShadedModel, distance_of_whole, pose_around, side_by_side};
 use scaleproof_core::geometry::Rigid;
 use scaleproof_photo::draw::{LabelAnchor, Lettering, label};
-use scaleproof_pose::scene::Viewpoint;
-use scaleproof_pose::simulate::looking_at;
 use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::texture::Texture;
 
@@ -25,31 +22,22 @@ const SIDES: [(&str, f64, f64); 6] = [
 ];
 /// Width and height of a view, pixels.
 const SIZE_PX: [u32; 2] = [400, 300];
+/// Share of a view's height that the ball around the model takes.
+const FILLED: f64 = 0.92;
 const BELOW: &str = "bottom";
 const COLUMNS: usize = 3;
 const PAINT: [u8; 3] = [240, 130, 20];
 const REST: [u8; 3] = [110; 3];
 
-/// From so far that the whole model is in every view.
+/// Returns the pose of each view, from so far that the whole model is in it, and the camera.
 fn poses(mesh: &Mesh) -> (Vec<(&'static str, Rigid)>, Pinhole) {
-    let (low, high) = mesh.bounds_mm();
     let pinhole = Pinhole::with_field_of_view(SIZE_PX, FIELD_OF_VIEW_DEG);
-    let half = 0.46 * f64::from(SIZE_PX[1]) / pinhole.focal_length_px;
-    let middle: Point3<f64> = nalgebra::center(&low, &high);
-    let radius = 0.5 * (high - low).norm();
-    let distance_mm = radius / half.atan().sin();
-    let pose = |(name, azimuth_deg, pitch_deg): (&'static str, f64, f64)| {
-        let viewpoint = Viewpoint {
-            azimuth_deg,
-            pitch_deg,
-            distance_mm,
-        };
-        (name, looking_at(&viewpoint, middle))
-    };
+    let distance_mm = distance_of_whole(mesh, FILLED, &pinhole, SIZE_PX);
+    let pose = |(name, azimuth, pitch)| (name, pose_around(mesh, azimuth, pitch, distance_mm));
     (SIDES.map(pose).to_vec(), pinhole)
 }
 
-/// How much of what is seen from all sides but from below, where no car is painted, has each material; the sum is 1.
+/// Returns the share that each material has of what is seen from all sides but from below, where no car is painted; the sum is 1.
 pub fn seen_shares(mesh: &Mesh) -> Vec<f64> {
     let (poses, pinhole) = poses(mesh);
     let mut seen = vec![0.0; mesh.materials().len()];
@@ -66,7 +54,7 @@ pub fn seen_shares(mesh: &Mesh) -> Vec<f64> {
     seen.iter().map(|pixels| pixels / all.max(1.0)).collect()
 }
 
-/// The six views on one image, each with its name. `paint` are materials; none stands for all.
+/// Draws the six views on one image, each with its name. `paint` are materials; none stands for all.
 pub fn six_views(mesh: &Mesh, paint: &[usize]) -> RgbImage {
     let [painted, rest] = [PAINT, REST].map(Texture::Flat);
     let is_paint = |material: usize| paint.is_empty() || paint.contains(&material);
@@ -77,20 +65,17 @@ pub fn six_views(mesh: &Mesh, paint: &[usize]) -> RgbImage {
     };
     let (poses, pinhole) = poses(mesh);
     let [width, height] = SIZE_PX;
-    let rows = poses.len().div_ceil(COLUMNS) as u32;
-    let mut all = RgbImage::from_pixel(width * COLUMNS as u32, height * rows, Rgb([255; 3]));
     let lettering = Lettering {
         size_px: 18.0,
         colour: [0; 3],
         ground: [255; 3],
     };
-    for (i, (name, pose)) in poses.iter().enumerate() {
-        let Some(mut view) = model.draw(pose, &pinhole, SIZE_PX) else {
-            continue;
-        };
-        label(&mut view, [6.0, 6.0], LabelAnchor::TopLeft, name, lettering);
-        let (column, row) = ((i % COLUMNS) as i64, (i / COLUMNS) as i64);
-        replace(&mut all, &view, column * i64::from(width), row * i64::from(height));
-    }
-    all
+    let view = |(name, pose): &(&str, Rigid)| match model.draw(pose, &pinhole, SIZE_PX) {
+        Some(mut view) => {
+            label(&mut view, [6.0, 6.0], LabelAnchor::TopLeft, name, lettering);
+            view
+        }
+        None => RgbImage::from_pixel(width, height, Rgb([255; 3])),
+    };
+    side_by_side(&Vec::from_iter(poses.iter().map(view)), COLUMNS)
 }

@@ -1,16 +1,19 @@
 //! A detector of the program as a differentiable one: the ONNX file and the manifest that scoring uses.
 
+use std::fmt::Display;
 use std::path::Path;
 
+use crate::error::no_image;
 use crate::layers::Number;
 use crate::onnx::{NetworkPass, OnnxNetwork, Output};
 use crate::resample::Resampler;
 use crate::{Boxes, ForwardPass, ImageLoss, Prediction, WhiteBox, WhiteBoxError};
 use scaleproof_core::files;
 use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::message::{Message, bail, message};
 use scaleproof_core::workers;
 use scaleproof_detect::{
-    Anchor, AnchorLabels, Anchors, Data, Layout, Manifest, Resize, Tensor, Values, anchors, wants_photo_size,
+    Anchor, AnchorLabels, Anchors, Data, Manifest, Resize, Tensor, Values, anchors, wants_photo_size,
 };
 
 /// A network with its manifest and the labels that count as the model.
@@ -20,32 +23,20 @@ pub struct OnnxDetector<T = f32> {
     network: OnnxNetwork<T>,
 }
 
-impl OnnxDetector {
+impl<T: Number> OnnxDetector<T> {
     /// Reads a detector's weights. `labels`: the indices into its labels that count as the model.
     ///
     /// # Errors
     /// Labels it does not have; an input or a head that no gradient can pass; unknown operators, by their names; a
     /// network whose outputs are not those of the manifest's head.
     pub fn open(manifest: &Manifest, weights: &Path, labels: &[usize]) -> Result<Self, WhiteBoxError> {
-        OnnxDetector::open_as(manifest, weights, labels)
-    }
-}
-
-impl<T: Number> OnnxDetector<T> {
-    /// [`OnnxDetector::open`], for one that computes in 32 or in 64 bits.
-    ///
-    /// # Errors
-    /// The same.
-    pub fn open_as(manifest: &Manifest, weights: &Path, labels: &[usize]) -> Result<Self, WhiteBoxError> {
-        let refused = |reason: WhiteBoxError| WhiteBoxError::Detector {
-            name: manifest.name.clone(),
-            reason: reason.into(),
-        };
+        let refused = |reason: &dyn Display| message!("{} cannot be differentiated: {reason}", manifest.name);
         workers::memory::keep();
-        let shape = input_shape(manifest).map_err(refused)?;
+        let shape = input_shape(manifest).map_err(|reason| refused(&reason))?;
         if labels.is_empty() || labels.iter().any(|label| manifest.labels.name(*label).is_none()) {
-            let (labels, count) = (labels.to_vec(), manifest.labels.count());
-            return Err(refused(WhiteBoxError::Labels { labels, count }));
+            let count = manifest.labels.count();
+            let reason = format!("labels {labels:?} are not among its {count}; name those that count as the model");
+            return Err(refused(&reason).into());
         }
         let file = weights.display().to_string();
         // Its boxes are then in pixels of its input, as those of other heads.
@@ -53,12 +44,13 @@ impl<T: Number> OnnxDetector<T> {
         let detector = OnnxDetector {
             manifest: manifest.clone(),
             labels: labels.to_vec(),
-            network: OnnxNetwork::read_as(&files::read(weights)?, &file, &shape, photo_size)?,
+            network: OnnxNetwork::read(&files::read(weights)?, &file, &shape, photo_size)?,
         };
         // A head that does not fit is refused now, not at the first image.
         let [width, height] = manifest.input.size_px;
         let grey = vec![[0.5; 3]; (width * height) as usize];
-        detector.predictions(&grey, [width, height]).map_err(refused)?;
+        let seen = detector.predictions(&grey, [width, height]);
+        seen.map_err(|reason| refused(&reason))?;
         Ok(detector)
     }
 
@@ -70,22 +62,20 @@ impl<T: Number> OnnxDetector<T> {
     fn seen(&self, image: &[[f64; 3]], size_px: [u32; 2], keeps_way: bool) -> Result<Seen<'_, T>, WhiteBoxError> {
         let [width, height] = size_px;
         if width == 0 || height == 0 || image.len() != width as usize * height as usize {
-            let found = image.len();
-            return Err(WhiteBoxError::Pixels { found, size_px });
+            return Err(no_image(image.len(), size_px).into());
         }
         let way = Resampler::new(&self.manifest.input, size_px);
         let answer = self.network.forward(way.forward(image), keeps_way)?;
         if let Some(output) = answer.outputs.iter().find(|o| o.raw.iter().any(|v| v.is_nan())) {
-            let (name, output) = (self.manifest.name.clone(), output.name.clone());
-            return Err(WhiteBoxError::NotANumber { name, output });
+            bail!("{} answered with NaN in its output {}", self.manifest.name, output.name);
         }
         let tensors: Vec<Tensor> = answer.outputs.iter().map(tensor).collect();
-        let found = anchors(&self.manifest, &tensors, way.placement().canvas)
-            .map_err(|reason| WhiteBoxError::Head(reason.to_string()))?
-            .ok_or(WhiteBoxError::ChosenBoxes)?;
+        let Some(found) = anchors(&self.manifest, &tensors, way.placement().canvas)? else {
+            bail!("its head chooses boxes by itself, and no gradient passes the choice; attack another detector");
+        };
         let is_sigmoid = |a: &Anchor| answer.outputs[a.output].is_logit.get(a.first_label) == Some(&true);
         if found.are_logits && found.anchors.first().is_some_and(is_sigmoid) {
-            return Err(WhiteBoxError::Probabilities);
+            bail!("its head expects logits, and the network answers with probabilities: correct the manifest's head");
         }
         let (mut predictions, mut all_terms) = (Vec::new(), Vec::new());
         for anchor in &found.anchors {
@@ -135,23 +125,18 @@ impl<T: Number> OnnxDetector<T> {
 }
 
 /// The shape of the network's input, which must be the same for all images.
-fn input_shape(manifest: &Manifest) -> Result<Vec<usize>, WhiteBoxError> {
+fn input_shape(manifest: &Manifest) -> Result<Vec<usize>, Message> {
     let input = &manifest.input;
     if matches!(
         input.resize,
         Resize::ShortSide | Resize::ShortestEdge | Resize::Original
     ) {
-        return Err(WhiteBoxError::InputOfAnySize);
+        bail!("the size of its input depends on the image; attack a detector with an input of its own size");
     }
     if input.values == Values::U8 {
-        return Err(WhiteBoxError::EightBits);
+        bail!("it takes images of 8 bits, and no gradient passes their rounding");
     }
-    let [width, height] = input.size_px.map(|side| side as usize);
-    Ok(match input.layout {
-        Layout::Nchw => vec![1, 3, height, width],
-        Layout::Nhwc => vec![1, height, width, 3],
-        Layout::Chw => vec![3, height, width],
-    })
+    Ok(input.shape(input.size_px))
 }
 
 impl<T: Number> WhiteBox for OnnxDetector<T> {

@@ -5,9 +5,11 @@ use std::cell::Cell;
 use image::RgbImage;
 
 use super::derivative::{LEAST_LOSS, fault};
+use super::error::no_image;
 use super::strongest::MEETS_IOU;
 use super::{Boxes, ImageLoss, Prediction, WhiteBox, WhiteBoxError};
 use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::message::bail;
 use scaleproof_detect::{Gradients, Manifest, ProgramDetector, ProgramImage, ProgramPhoto};
 
 pub struct ProgramWhiteBox {
@@ -26,12 +28,14 @@ impl ProgramWhiteBox {
         labels: Vec<usize>,
         differentiates: bool,
     ) -> Result<ProgramWhiteBox, WhiteBoxError> {
-        let name = manifest.name.clone();
+        let name = &manifest.name;
         if differentiates && program.gradients() == Gradients::Nothing {
-            return Err(WhiteBoxError::NoGradients { name });
+            bail!("{name} gives no gradients, and this differentiates it: let its hello have \"gradients\": true");
         }
         if !program.takes_pixels() {
-            return Err(WhiteBoxError::NoPixels { name });
+            bail!(
+                "{name} takes photos as files, and here are images that lie in none: let the input of its hello be \"rgb\""
+            );
         }
         Ok(ProgramWhiteBox {
             program,
@@ -71,11 +75,8 @@ impl WhiteBox for ProgramWhiteBox {
     fn predictions(&self, image: &[[f64; 3]], size_px: [u32; 2]) -> Result<Vec<Prediction>, WhiteBoxError> {
         let [width, height] = size_px;
         let values = image.iter().map(|pixel| pixel.map(|v| (255.0 * v).round() as u8));
-        let (pixels, found) = (
-            RgbImage::from_raw(width, height, values.flatten().collect()),
-            image.len(),
-        );
-        let pixels = pixels.ok_or(WhiteBoxError::Pixels { found, size_px })?;
+        let pixels = RgbImage::from_raw(width, height, values.flatten().collect());
+        let pixels = pixels.ok_or_else(|| no_image(image.len(), size_px))?;
         let found = self.program.detect(&ProgramPhoto {
             path: "an image".as_ref(),
             file: "an image",
@@ -101,8 +102,10 @@ impl WhiteBox for ProgramWhiteBox {
         boxes: Boxes,
     ) -> Result<Option<ImageLoss>, WhiteBoxError> {
         if boxes != Boxes::Strongest {
-            let name = self.manifest.name.clone();
-            return Err(WhiteBoxError::StrongestAlone { name });
+            bail!(
+                "{} gives the loss of its strongest box alone, and all boxes were asked for", self.manifest.name;
+                hint: "leave ‹loss› out"
+            );
         }
         let found = self.asked(image, size_px, outline)?;
         let is_first = |found: &&ImageLoss| found.loss >= LEAST_LOSS && !self.is_checked.get();
@@ -110,7 +113,7 @@ impl WhiteBox for ProgramWhiteBox {
             let look = |image: &[[f64; 3]]| self.asked(image, size_px, outline);
             let is_partial = self.program.gradients() == Gradients::Partial;
             if let Some(fault) = fault(image, first, is_partial, look)? {
-                return Err(WhiteBoxError::Gradient(fault));
+                bail!("{fault}");
             }
             self.is_checked.set(true);
         }

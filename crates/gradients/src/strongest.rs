@@ -1,8 +1,6 @@
 //! The prediction that an attack works against.
 
-use serde::Serialize;
-
-use super::{ForwardPass, ImageLoss, Prediction};
+use super::whitebox::{Boxes, ForwardPass, ImageLoss, Prediction};
 use scaleproof_core::geometry::BoxPx;
 
 /// A box meets the model from this overlap with the box around its mask. Less than a hit's 0.5, so that a box does not
@@ -19,29 +17,6 @@ pub fn strongest(predictions: &[Prediction], outline: &BoxPx, least_iou: f64) ->
         if confidence.is_nan() { f64::INFINITY } else { confidence }
     };
     candidates.max_by(|a, b| order(a).total_cmp(&order(b)))
-}
-
-/// Which of the boxes that meet the model an attack works against.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Boxes {
-    /// The most confident one, as DTA does.
-    #[default]
-    Strongest,
-    /// All, by the sum of their odds.
-    All,
-    /// All, each weighted with its overlap with the model.
-    Overlap,
-}
-
-impl Boxes {
-    /// All, the default first.
-    pub const ALL: [Self; 3] = [Self::Strongest, Self::All, Self::Overlap];
-
-    /// Its name in options and files.
-    pub fn name(self) -> &'static str {
-        ["strongest", "all", "overlap"][self as usize]
-    }
 }
 
 impl ImageLoss {

@@ -10,6 +10,7 @@ use serde::Serialize;
 use crate::cli::answer::told;
 use crate::cli::{CommandResult, Result, advice};
 use scaleproof_core::files;
+use scaleproof_core::message::message;
 use scaleproof_detect::{
     self as detect, Family, Hints, Labels, Manifest, ProposeError, Runtime, WeightFolders, darknet_to_onnx, own_name,
     propose, weights_seen_from,
@@ -82,8 +83,8 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
             .map(|file| files::chosen::remove(files::folder_of(file), file));
         match e {
             // These name the file themselves.
-            ProposeError::File(_) | ProposeError::Detect(_) => advice::sentence(&e),
-            e => format!("{}: {}", args.model.display(), advice::sentence(&e)),
+            ProposeError::File(_) | ProposeError::Detect(_) => message!("{e}").caused_by(e),
+            e => message!("{}: {e}", args.model.display()).caused_by(e),
         }
     })?;
     let manifest = Manifest {

@@ -1,6 +1,5 @@
 //! `scaleproof attack`: frames, the models that predict them, and patterns against detectors.
 
-mod advice;
 mod baseline;
 mod chart;
 mod colours;
@@ -59,8 +58,6 @@ pub(in crate::cli) struct CheckArgs {
     #[arg(long)]
     json: bool,
 }
-
-pub(in crate::cli) use advice::advice;
 
 /// Detectors, and the name and hash of each.
 type WhiteBoxes = (Vec<Box<dyn WhiteBox>>, Vec<String>);

@@ -49,7 +49,7 @@ pub(super) enum Command {
 }
 
 /// The advice of each of these commands that has some.
-pub(super) const ADVICE: &[Advise] = &[attack::advice, fetch::advice, survey::advice, wrap::advice];
+pub(super) const ADVICE: &[Advise] = &[fetch::advice, survey::advice, wrap::advice];
 
 pub(super) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
     match command {

@@ -22,6 +22,8 @@ use scaleproof_wrap::bake::{BakeRequest, TexturedModel, bake, write_glb, write_o
 
 /// What has no colour of its own in a preview.
 const GREY: [u8; 3] = [96; 3];
+/// Views in a row of a preview.
+const COLUMNS: usize = 4;
 /// Below patches alone.
 const PAPER: [u8; 3] = [255; 3];
 
@@ -172,7 +174,7 @@ fn run_show(args: &ShowArgs, out: &mut dyn Write) -> CommandResult {
         .during(|bar| shaded.around(&azimuths, args.pitch_deg, size_px, || bar.inc(1)))?;
     let is_one = args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
     let files = if is_one || files::is_standard_output(&args.output) {
-        vec![(args.output.clone(), encode_rgb(&side_by_side(&views))?)]
+        vec![(args.output.clone(), encode_rgb(&side_by_side(&views, COLUMNS))?)]
     } else {
         let named = azimuths.iter().zip(&views);
         let file = |(azimuth, view)| Ok((args.output.join(format!("az{azimuth}.png")), encode_rgb(view)?));

@@ -1,7 +1,7 @@
 //! Tests of `cli/advice.rs`.
 
 use super::*;
-use scaleproof_core::message::message;
+use scaleproof_core::message::{Hint, message};
 use scaleproof_detect::WeightsError;
 use scaleproof_score::{EvaluatedDetectorError, ScoreError};
 
@@ -9,13 +9,13 @@ use scaleproof_score::{EvaluatedDetectorError, ScoreError};
 fn what_the_library_leaves_out_the_commands_add() {
     let missing = WeightsError::Missing {
         name: "a".into(),
-        file: "a.onnx".into(),
         remedy: "fetch them".into(),
+        hint: Hint::new("a folder that has a.onnx is named by ‹detectors›"),
     };
     let wrapped = EvaluatedDetectorError::from(missing);
     assert_eq!(
         sentence(&wrapped),
-        "no weights for a: fetch them, or name a folder with a.onnx by --detectors"
+        "no weights for a: fetch them; a folder that has a.onnx is named by --detectors"
     );
     let recorded = message!("1.jpg has none of a").hint("run without ‹recorded›, or record them again with ‹record›");
     assert!(

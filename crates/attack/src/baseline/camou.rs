@@ -7,20 +7,21 @@
 use rand::{Rng, RngExt};
 
 use super::{BlackBox, SearchConfig};
+use crate::AttackError;
 use crate::run::adam::CellMoments;
-use crate::run::{Rgb, RunError, drawn_by};
+use crate::run::{Rgb, drawn_by};
 use scaleproof_gradients::adam::Adam;
 use scaleproof_gradients::layers::learning::{By, Kernel, Network};
 
-/// Random patterns the clone first learns from.
+/// Random patterns that the clone first learns from.
 const FIRST: usize = 32;
-/// Patterns a round asks about.
-const ASKED: usize = 6;
-/// Views a pattern is looked at in.
+/// Patterns scored in a round.
+const CANDIDATES: usize = 6;
+/// Views that a pattern is scored in.
 const VIEWS: u32 = 6;
-/// Images of the first round: with fewer nothing is searched.
+/// Queries of the first round: with fewer nothing is searched.
 pub const FIRST_ROUND: u64 = FIRST as u64 * VIEWS as u64;
-/// Steps of training and of descent a round, and how long they are.
+/// Steps of training and of descent in a round, with their learning rates.
 const TRAINING: usize = 40;
 const ADAM: Adam = Adam {
     learning_rate: 1e-3,
@@ -30,7 +31,7 @@ const DESCENT: usize = 20;
 const DESCENT_RATE: f64 = 0.02;
 /// Patterns in a minibatch of the clone.
 const MINIBATCH: usize = 32;
-/// Standard deviation of the uniform noise about the pattern that a round asks about.
+/// Standard deviation of the uniform noise of candidates about the pattern.
 const SPREAD: f64 = 0.15;
 const NOTED_EVERY: u32 = 4;
 const CHANNELS: usize = 16;
@@ -80,7 +81,7 @@ impl Clone2d {
         }
     }
 
-    /// The score before its sigmoid.
+    /// Builds the network; its output is the score before the sigmoid.
     fn network(&self, by: By) -> Network {
         let (mut network, mut x) = Network::new(3, [self.side; 2], by);
         for (layer, lists) in self.lists.chunks_exact(2).enumerate() {
@@ -96,7 +97,7 @@ impl Clone2d {
         network
     }
 
-    /// The mean binary cross-entropy of the clone's scores of patterns and those that they have, and its derivatives by each list.
+    /// Returns the mean binary cross-entropy between the clone's scores of patterns and the true ones, and its gradients with respect to each list.
     pub fn loss_and_gradient(&self, samples: &[(&[Rgb], f64)]) -> (f64, Vec<Vec<f32>>) {
         let share = 1.0 / samples.len() as f64;
         let loss = |(_, score): &(&[Rgb], f64), logit: &[f32]| {
@@ -109,7 +110,7 @@ impl Clone2d {
         network.loss_and_derivatives(samples, |(cells, _)| input(cells), loss)
     }
 
-    /// One step of training; returns the loss before it.
+    /// Takes one step of training; returns the loss before it.
     pub fn step(&mut self, samples: &[(&[Rgb], f64)]) -> f64 {
         let (loss, gradients) = self.loss_and_gradient(samples);
         self.steps = self.steps.saturating_add(1);
@@ -119,7 +120,7 @@ impl Clone2d {
         loss
     }
 
-    /// The score of a pattern, and its derivative by the cells.
+    /// Returns the score of a pattern, and its gradient with respect to the cells.
     pub fn score_and_gradient(&self, cells: &[Rgb]) -> (f64, Vec<Rgb>) {
         let score = |_: &&[Rgb], logit: &[f32]| {
             let score = sigmoid(f64::from(logit[0]));
@@ -136,20 +137,20 @@ fn sigmoid(x: f64) -> f64 {
     1.0 / (1.0 + (-x).exp())
 }
 
-/// The input of the network for a pattern: channel by channel, about 0.
+/// Returns the input of the network for a pattern: channel by channel, about 0.
 fn input(cells: &[Rgb]) -> Vec<f32> {
     let channel = |c: usize| cells.iter().map(move |cell| cell[c] as f32 - 0.5);
     (0..3).flat_map(channel).collect()
 }
 
-/// What a clone has seen.
-struct Answered {
+/// Pattern with its score.
+struct Scored {
     cells: Vec<Rgb>,
     score: f64,
 }
 
 /// Searches until the query budget is exhausted. The pattern must have six cells a side or more.
-pub fn search(oracle: &mut BlackBox, config: &SearchConfig) -> Result<Vec<Rgb>, RunError> {
+pub fn search(oracle: &mut BlackBox, config: &SearchConfig) -> Result<Vec<Rgb>, AttackError> {
     let side = config.cells as usize;
     let mut clone = Clone2d::new(side, &mut drawn_by(config.seed, u32::MAX - 1));
     let mut rng = drawn_by(config.seed, u32::MAX);
@@ -157,15 +158,15 @@ pub fn search(oracle: &mut BlackBox, config: &SearchConfig) -> Result<Vec<Rgb>, 
         let mut cell = |_| std::array::from_fn(|_| rng.random());
         (0..side * side).map(&mut cell).collect()
     };
-    let (mut seen, mut best) = (Vec::<Answered>::new(), random(&mut rng));
-    let mut asking: Vec<Vec<Rgb>> = (0..FIRST).map(|_| random(&mut rng)).collect();
+    let (mut seen, mut best) = (Vec::<Scored>::new(), random(&mut rng));
+    let mut candidates: Vec<Vec<Rgb>> = (0..FIRST).map(|_| random(&mut rng)).collect();
     for round in 0.. {
         let mut rng = drawn_by(config.seed, round);
-        let Some(answers) = ask(oracle, config, round, asking)? else {
+        let Some(answers) = score_all(oracle, config, round, candidates)? else {
             break;
         };
         if let Some(found) = answers.iter().min_by(|a, b| a.score.total_cmp(&b.score)) {
-            // After the first round the pattern itself was asked about first.
+            // After the first round the first candidate is the pattern itself.
             let own = if round == 0 { found } else { &answers[0] };
             best.clone_from(&own.cells);
             if round % NOTED_EVERY == 0 {
@@ -180,42 +181,42 @@ pub fn search(oracle: &mut BlackBox, config: &SearchConfig) -> Result<Vec<Rgb>, 
             let mut noisy = |v: f64| (v + SPREAD * 3.0_f64.sqrt() * rng.random_range(-1.0..1.0)).clamp(0.0, 1.0);
             next.iter().map(|cell| cell.map(&mut noisy)).collect()
         };
-        asking = vec![next.clone()];
-        asking.extend((1..ASKED).map(|_| around(&mut rng)));
+        candidates = vec![next.clone()];
+        candidates.extend((1..CANDIDATES).map(|_| around(&mut rng)));
     }
     oracle.note(&best, None)?;
     Ok(best)
 }
 
-/// All of them in the same views; `None` when the query budget is exhausted.
-fn ask(
+/// Scores patterns in the same views; `None` when the query budget is exhausted.
+fn score_all(
     oracle: &mut BlackBox,
     config: &SearchConfig,
     round: u32,
-    asking: Vec<Vec<Rgb>>,
-) -> Result<Option<Vec<Answered>>, RunError> {
+    candidates: Vec<Vec<Rgb>>,
+) -> Result<Option<Vec<Scored>>, AttackError> {
     let views = oracle.draws(VIEWS, round, &mut drawn_by(config.seed ^ 0xa5c, round));
     let mut answers = Vec::new();
-    for cells in asking {
+    for cells in candidates {
         match oracle.mean_score(&views, &cells)? {
-            Some(score) => answers.push(Answered { cells, score }),
+            Some(score) => answers.push(Scored { cells, score }),
             None => return Ok(None),
         }
     }
     Ok(Some(answers))
 }
 
-/// Against the scores, the last answers always among them.
-fn train(clone: &mut Clone2d, seen: &[Answered], rng: &mut impl Rng) {
+/// Trains the clone on scored patterns, the last ones always among them.
+fn train(clone: &mut Clone2d, seen: &[Scored], rng: &mut impl Rng) {
     for _ in 0..TRAINING {
-        let recent = seen.len().saturating_sub(ASKED)..seen.len();
+        let recent = seen.len().saturating_sub(CANDIDATES)..seen.len();
         let random = (0..MINIBATCH.min(seen.len())).map(|_| rng.random_range(0..seen.len()));
         let chosen = recent.chain(random).map(|i| (seen[i].cells.as_slice(), seen[i].score));
         clone.step(&Vec::from_iter(chosen));
     }
 }
 
-/// The pattern down the clone's score.
+/// Moves a pattern down the gradient of the clone's score.
 fn descend(clone: &Clone2d, mut cells: Vec<Rgb>) -> Vec<Rgb> {
     let mut moments = CellMoments::new(cells.len());
     for _ in 0..DESCENT {

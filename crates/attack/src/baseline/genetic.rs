@@ -7,7 +7,8 @@
 use rand::{Rng, RngExt};
 
 use super::{BlackBox, SearchConfig};
-use crate::run::{Rgb, RunError, drawn_by};
+use crate::AttackError;
+use crate::run::{Rgb, drawn_by};
 
 const POPULATION: usize = 16;
 const ELITE: usize = 3;
@@ -15,12 +16,13 @@ const TOURNAMENT: usize = 3;
 /// Share of a child's cells that are replaced by random ones.
 const MUTATED: f64 = 0.03;
 const VIEWS: u32 = 6;
-/// Images of the first generation: with fewer nothing is searched.
+/// Queries of the first generation: with fewer nothing is searched.
 pub const FIRST_ROUND: u64 = POPULATION as u64 * VIEWS as u64;
-/// Between two judgements, in generations.
+/// Generations between two judgements.
 const NOTED_EVERY: u32 = 4;
 
-pub fn search(oracle: &mut BlackBox, config: &SearchConfig) -> Result<Vec<Rgb>, RunError> {
+/// Searches until the query budget is exhausted.
+pub fn search(oracle: &mut BlackBox, config: &SearchConfig) -> Result<Vec<Rgb>, AttackError> {
     let mut rng = drawn_by(config.seed, u32::MAX);
     let count = oracle.view_set.grid.cells();
     let mut random = |_| (0..count).map(|_| cell(&mut rng)).collect();
@@ -55,7 +57,7 @@ pub fn search(oracle: &mut BlackBox, config: &SearchConfig) -> Result<Vec<Rgb>, 
     Ok(best)
 }
 
-/// The best of some, drawn with replacement.
+/// Draws some with replacement and returns the best.
 fn tournament<'a>(ranked: &'a [(f64, Vec<Rgb>)], rng: &mut impl Rng) -> &'a [Rgb] {
     let drawn = (0..TOURNAMENT).map(|_| rng.random_range(0..ranked.len())).min();
     &ranked[drawn.unwrap_or(0)].1

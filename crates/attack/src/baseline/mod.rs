@@ -1,14 +1,10 @@
-//! What an attack must beat: patterns found without looking into the detector, and patterns that come from elsewhere.
-//!
-//! - [`genetic`]: ER, a genetic search over a repeated mosaic (Wu et al. 2020);
-//! - [`camou`]: CAMOU, a network that imitates renderer and detector (Zhang et al., ICLR 2019);
-//! - [`patches`]: finished patches in their places (UPC, DAS).
+//! Rivals of an attack: patterns found without looking into the detector, and patterns that come from elsewhere.
 //!
 //! Random and flat patterns need no search. All are judged by the same views as the attack.
 
-pub mod camou;
-pub mod genetic;
-pub mod patches;
+pub mod camou; // CAMOU, a network that imitates renderer and detector (Zhang et al., ICLR 2019)
+pub mod genetic; // ER, a genetic search over a repeated mosaic (Wu et al. 2020)
+pub mod patches; // finished patches in their places (UPC, DAS)
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -21,16 +17,18 @@ use super::run::checkpoint::{self, Checkpoint};
 use super::run::history::Entry;
 use super::run::judge::{confidence, judge};
 use super::run::view_set::{TextureMapping, ViewSet};
-use super::run::{Rgb, RunError, batch};
+use super::run::{Rgb, batch};
+use crate::AttackError;
 use scaleproof_gradients::WhiteBox;
 use scaleproof_pose::scene::Classes;
 
+/// Settings of a search.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SearchConfig {
     pub method: &'static str,
     pub cells: u32,
     pub tile_mm: f64,
-    /// Images that may be looked at.
+    /// Query budget: the most images that detectors look at.
     pub queries: u64,
     pub seed: u64,
     #[serde(rename = "laying")]
@@ -42,19 +40,18 @@ pub struct SearchConfig {
     pub classes: Classes,
 }
 
-/// Answers what a detector says of a pattern in a view, and no more: surrogate renderer and detector as one black box.
+/// Surrogate renderer and detectors as one black box, which returns the score of a pattern in a view.
 ///
-/// Answers are kept. A search that is interrupted asks the same questions again, and gets those answers without
-/// waiting, so it needs no checkpoint of its own.
+/// Scores are kept: a search that was interrupted makes the same queries again and gets them at once, so it needs no checkpoint of its own.
 pub struct BlackBox<'a> {
     pub view_set: &'a ViewSet,
     detectors: &'a [Box<dyn WhiteBox>],
     config: &'a SearchConfig,
     folder: PathBuf,
     checkpoint: Checkpoint,
-    answers: Answers,
-    asked: usize,
-    noted: usize,
+    known: KnownScores,
+    queries: usize,
+    notes: usize,
     wall_before: f64,
     started: Instant,
     saved: Instant,
@@ -62,18 +59,19 @@ pub struct BlackBox<'a> {
 }
 
 impl<'a> BlackBox<'a> {
+    /// Begins a search, or goes on with the scores known in `folder`.
     pub fn begin(
         view_set: &'a ViewSet,
         detectors: &'a [Box<dyn WhiteBox>],
         config: &'a SearchConfig,
         folder: &Path,
         on_query: &'a dyn Fn(u64),
-    ) -> Result<Self, RunError> {
+    ) -> Result<Self, AttackError> {
         let key = checkpoint::key(config)?;
         let checkpoint = Checkpoint::load(folder, &key)?.unwrap_or_else(|| Checkpoint::new(key, Vec::new()));
         let known = match checkpoint.content.as_slice() {
-            [] => Answers::default(),
-            content => postcard::from_bytes(content).map_err(|_| RunError::Damaged {
+            [] => KnownScores::default(),
+            content => postcard::from_bytes(content).map_err(|_| AttackError::Damaged {
                 path: folder.join(checkpoint::FILE),
             })?,
         };
@@ -84,50 +82,49 @@ impl<'a> BlackBox<'a> {
             folder: folder.to_owned(),
             wall_before: known.wall_s,
             checkpoint,
-            answers: known,
-            asked: 0,
-            noted: 0,
+            known,
+            queries: 0,
+            notes: 0,
             started: Instant::now(),
             saved: Instant::now(),
             on_query,
         })
     }
 
-    /// The trained views that a round looks at, each with a draw of the augmentations.
+    /// Draws the trained views that a round looks at, each with a draw of the augmentations.
     fn draws(&self, views: u32, round: u32, rng: &mut impl Rng) -> Vec<(usize, Augmentation)> {
         let views = batch(&self.view_set.trained(), views, self.config.seed, round);
         Augmentation::of_each(views, &self.config.eot, rng)
     }
 
-    /// The mean over detectors of the highest confidence of a box that meets the model; `None` when no more may be
-    /// asked.
-    pub fn score(&mut self, view: usize, cells: &[Rgb], draw: &Augmentation) -> Result<Option<f64>, RunError> {
-        if self.asked as u64 >= self.config.queries {
+    /// Returns the mean over detectors of the highest confidence of a box that meets the model; `None` when the query budget is exhausted.
+    pub fn score(&mut self, view: usize, cells: &[Rgb], draw: &Augmentation) -> Result<Option<f64>, AttackError> {
+        if self.queries as u64 >= self.config.queries {
             return Ok(None);
         }
-        if self.asked == self.answers.all.len() {
+        if self.queries == self.known.all.len() {
             let textured = self.view_set.textured(view, cells, draw);
             let mut sum = 0.0;
             for detector in self.detectors {
-                let seen = (view, textured.augmented.image.as_slice(), &textured.outline);
-                let answer = confidence(self.view_set, detector.as_ref(), seen);
-                if answer.is_err() {
+                let (image, outline) = (&textured.augmented.image, &textured.outline);
+                let score = confidence(self.view_set, detector.as_ref(), view, image, outline);
+                if score.is_err() {
                     self.save()?;
                 }
-                sum += answer?;
+                sum += score?;
             }
-            self.answers.all.push(sum / self.detectors.len().max(1) as f64);
+            self.known.all.push(sum / self.detectors.len().max(1) as f64);
             if self.saved.elapsed() > checkpoint::AT_MOST {
                 self.save()?;
             }
         }
-        self.asked += 1;
-        (self.on_query)(self.asked as u64);
-        Ok(self.answers.all.get(self.asked - 1).copied())
+        self.queries += 1;
+        (self.on_query)(self.queries as u64);
+        Ok(self.known.all.get(self.queries - 1).copied())
     }
 
-    /// The mean score of a pattern over some views, each with a draw of its own; `None` when the query budget is exhausted.
-    pub fn mean_score(&mut self, views: &[(usize, Augmentation)], cells: &[Rgb]) -> Result<Option<f64>, RunError> {
+    /// Returns the mean score of a pattern over some views, each with a draw of its own; `None` when the query budget is exhausted.
+    pub fn mean_score(&mut self, views: &[(usize, Augmentation)], cells: &[Rgb]) -> Result<Option<f64>, AttackError> {
         let mut sum = 0.0;
         for (view, draw) in views {
             match self.score(*view, cells, draw)? {
@@ -138,16 +135,16 @@ impl<'a> BlackBox<'a> {
         Ok(Some(sum / views.len().max(1) as f64))
     }
 
-    /// Judges the best pattern so far and notes it; `score` is what the search thinks of it.
-    pub fn note(&mut self, cells: &[Rgb], score: Option<f64>) -> Result<(), RunError> {
-        self.noted += 1;
-        if self.noted <= self.checkpoint.history.len() {
+    /// Judges the best pattern so far and adds it to the history; `score` is its score in the search.
+    pub fn note(&mut self, cells: &[Rgb], score: Option<f64>) -> Result<(), AttackError> {
+        self.notes += 1;
+        if self.notes <= self.checkpoint.history.len() {
             return Ok(());
         }
         let held_out = Some(judge(self.view_set, self.detectors, cells)?);
         self.checkpoint.history.push(Entry {
-            step: self.noted as u32,
-            queries: self.asked as u64,
+            step: self.notes as u32,
+            queries: self.queries as u64,
             wall_s: self.wall_s(),
             confidence: score,
             held_out,
@@ -156,29 +153,29 @@ impl<'a> BlackBox<'a> {
         Ok(())
     }
 
-    /// What was noted.
-    pub fn finish(mut self) -> Result<Vec<Entry>, RunError> {
+    /// Saves and returns the history.
+    pub fn finish(mut self) -> Result<Vec<Entry>, AttackError> {
         self.save()?;
         Ok(self.checkpoint.history)
     }
 
-    /// Wall time, that of earlier runs included.
+    /// Returns the wall time, that of earlier runs included.
     fn wall_s(&self) -> f64 {
         self.wall_before + self.started.elapsed().as_secs_f64()
     }
 
-    fn save(&mut self) -> Result<(), RunError> {
-        self.answers.wall_s = self.wall_s();
-        self.checkpoint.content = postcard::to_allocvec(&self.answers)?;
+    fn save(&mut self) -> Result<(), AttackError> {
+        self.known.wall_s = self.wall_s();
+        self.checkpoint.content = postcard::to_allocvec(&self.known)?;
         self.checkpoint.save(&self.folder)?;
         self.saved = Instant::now();
         Ok(())
     }
 }
 
-/// All answers so far, in order, and how long they took.
+/// All scores so far, in order, and the wall time that they took.
 #[derive(Default, Serialize, Deserialize)]
-struct Answers {
+struct KnownScores {
     all: Vec<f64>,
     wall_s: f64,
 }

@@ -1,11 +1,12 @@
-//! What a finished evaluation says of one pattern.
+//! The figures of a finished evaluation.
 
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::EvaluateError;
+use crate::AttackError;
 use scaleproof_core::files;
+use scaleproof_core::message::{bail, ensure, message};
 use scaleproof_pose::scene::Classes;
 
 /// The figures of one detector on rendered photos with one pattern.
@@ -52,28 +53,26 @@ struct Share {
     rate: f64,
 }
 
-/// The figures of the pattern with the content of this file, repeated every so many millimetres, one entry for each detector. `classes`: what it
-/// was made for, where that is known.
+/// Reads the figures of the pattern with the content of this file, repeated every `tile_mm`, one entry for each detector. `classes`: the labels that
+/// it was made for, where they are known.
 pub fn figures_of(
     evaluation: &Path,
-    (pattern, tile_mm): (&Path, f64),
+    pattern: &Path,
+    tile_mm: f64,
     classes: Option<&Classes>,
-) -> Result<Vec<RenderedFigures>, EvaluateError> {
+) -> Result<Vec<RenderedFigures>, AttackError> {
     let summary = summary_of(evaluation)?;
     if let Some(classes) = classes.filter(|classes| classes.labels() != summary.classes) {
-        return Err(EvaluateError::OtherClasses {
-            evaluation: evaluation.to_owned(),
-            counted: summary.classes.join(","),
-            pattern: pattern.to_owned(),
-            classes: classes.to_string(),
-        });
+        bail!(
+            "{} counted {} as the model, and {} was made for {classes}: evaluate it for the same",
+            evaluation.display(), summary.classes.join(","), pattern.display();
+            hint: "these are ‹class›"
+        );
     }
     let sha256 = files::sha256_hex(&files::read(pattern)?);
     let variant = variant(evaluation, &sha256, tile_mm);
-    let rows = summary
-        .results
-        .into_iter()
-        .filter(|row| Some(&row.variant) == variant.as_ref());
+    let rows = summary.results.into_iter();
+    let rows = rows.filter(|row| Some(&row.variant) == variant.as_ref());
     let figures = rows.map(|row| RenderedFigures {
         detector: row.detector,
         photos: row.overall.photos,
@@ -81,17 +80,16 @@ pub fn figures_of(
         hit_rate: row.overall.hit_rate.rate,
     });
     let figures: Vec<RenderedFigures> = figures.collect();
-    if figures.is_empty() {
-        return Err(EvaluateError::NotRendered {
-            evaluation: evaluation.to_owned(),
-            pattern: pattern.to_owned(),
-            tile_mm,
-        });
-    }
+    ensure!(
+        !figures.is_empty(),
+        "{} has no photos of {} repeated every {tile_mm} mm: add the pattern to the evaluation first",
+        evaluation.display(),
+        pattern.display()
+    );
     Ok(figures)
 }
 
-fn summary_of(evaluation: &Path) -> Result<Summary, EvaluateError> {
+fn summary_of(evaluation: &Path) -> Result<Summary, AttackError> {
     let path = evaluation.join("score").join("summary.json");
     let read = serde_json::from_str::<Summary>(&files::read_text(&path)?).map_err(|e| e.to_string());
     let possible = read.and_then(|summary| {
@@ -102,10 +100,11 @@ fn summary_of(evaluation: &Path) -> Result<Summary, EvaluateError> {
             None => Ok(summary),
         }
     });
-    possible.map_err(|reason| EvaluateError::NotFinished { path, reason })
+    let path = path.display();
+    Ok(possible.map_err(|reason| message!("{path} is not of a finished evaluation ({reason})"))?)
 }
 
-/// The name under which a pattern was rendered.
+/// Finds the name under which a pattern was rendered.
 fn variant(evaluation: &Path, sha256: &str, tile_mm: f64) -> Option<String> {
     let folders = std::fs::read_dir(evaluation.join("session").join("photos")).ok()?;
     let paints = folders.flatten().filter_map(|folder| {

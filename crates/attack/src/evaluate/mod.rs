@@ -4,83 +4,44 @@
 //! denoised, so that few light paths do: nothing has to add up here. Each paint's photos lie in a folder of their own, so that a paint may be
 //! added later, and one that is done is not rendered again.
 
-pub mod finished;
-mod photos;
-pub mod time_chart;
+pub mod finished; // the figures of a finished evaluation
+mod photos; // photos that are missing, and those that Blender makes
+pub mod time_chart; // patterns in rendered photos against the time of their making
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+use crate::AttackError;
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::BoxPx;
-use scaleproof_frames::render::{PlannedFrame, RenderError, RenderPlan, RenderRequest, blender, check_folder};
+use scaleproof_core::message::ensure;
+use scaleproof_frames::FramesError;
+use scaleproof_frames::render::{PlannedFrame, RenderPlan, RenderRequest, blender, check_folder, other_render};
 use scaleproof_pose::scene::{Bins, Classes, Envelope, ScaleModel, Scene, Viewpoint};
 use scaleproof_session as session;
-use scaleproof_session::{PhotoEntry, SessionError};
+use scaleproof_session::PhotoEntry;
 
-/// Why patterns could not be rendered for their evaluation.
-#[derive(Debug, thiserror::Error)]
-pub enum EvaluateError {
-    #[error(transparent)]
-    File(#[from] FileError),
-    #[error(transparent)]
-    Render(#[from] RenderError),
-    #[error(transparent)]
-    Session(#[from] SessionError),
-    #[error(
-        "{name:?} cannot name a pattern here: use letters, digits, '-', '_' and '.', each name once, and not `normal`, which is the plain model"
-    )]
-    BadName { name: String },
-    #[error(
-        "{folder} holds photos of another pattern, texture or tile than `{variant}` has now; give it another name, or remove that folder"
-    )]
-    OtherPaint { folder: PathBuf, variant: String },
-    #[error("{folder} holds a session that no evaluation made, which would be written over; give another folder")]
-    OtherSession { folder: PathBuf },
-    #[error("{path} is damaged ({reason}): remove it, and the same command renders it again")]
-    Damaged { path: PathBuf, reason: String },
-    #[error("{path} is not of a finished evaluation ({reason})")]
-    NotFinished { path: PathBuf, reason: String },
-    #[error(
-        "{evaluation} has no photos of {pattern} repeated every {tile_mm} mm: add the pattern to the evaluation first"
-    )]
-    NotRendered {
-        evaluation: PathBuf,
-        pattern: PathBuf,
-        tile_mm: f64,
-    },
-    #[error(
-        "{evaluation} counted {counted} as the model, and {pattern} was made for {classes}: evaluate it for the same"
-    )]
-    OtherClasses {
-        evaluation: PathBuf,
-        counted: String,
-        pattern: PathBuf,
-        classes: String,
-    },
-}
-
-/// Every paint from every viewpoint under every light.
+/// Photos to be rendered: every paint from every viewpoint under every light.
 #[derive(Debug)]
 pub struct RenderedSet {
     plan: RenderPlan,
-    /// What the request's paints are called, in its order.
+    /// Names of the request's paints, in its order.
     variants: Vec<String>,
     /// In the order of `plan.frames()`; their files lie below the evaluation's folder. Views under one light are one place.
     photos: Vec<PhotoEntry>,
 }
 
 impl RenderedSet {
-    /// `variants` name the request's paints, in their order.
-    pub fn new(request: RenderRequest, variants: Vec<String>) -> Result<Self, EvaluateError> {
+    /// Plans the photos; `variants` name the request's paints, in their order.
+    pub fn new(request: RenderRequest, variants: Vec<String>) -> Result<Self, AttackError> {
         let mut seen = HashSet::new();
-        if let Some(name) = variants
-            .iter()
-            .find(|name| !is_plain(name) || !seen.insert(name.as_str()))
-        {
-            return Err(EvaluateError::BadName { name: name.clone() });
+        for name in &variants {
+            ensure!(
+                is_plain(name) && seen.insert(name),
+                "{name:?} cannot name a pattern here: use letters, digits, '-', '_' and '.', each name once, and not `normal`, which is the plain model"
+            );
         }
         let plan = RenderPlan::new(request)?;
         let boxes = (0..plan.request().viewpoints.len()).map(|view| plan.truth(view));
@@ -102,7 +63,7 @@ impl RenderedSet {
         Ok(Self { plan, variants, photos })
     }
 
-    /// Those of one paint together, in the order of the paints.
+    /// Lists the photos, those of one paint together, in the order of the paints.
     pub fn photos(&self) -> Vec<PhotoEntry> {
         let mut photos = self.photos.clone();
         photos.sort_by_key(|photo| self.variants.iter().position(|v| *v == photo.variant));
@@ -111,11 +72,7 @@ impl RenderedSet {
 
     /// Writes the session of the photos: the scene, which is the model (name, class, scale) without tags and with a bin for each viewpoint,
     /// then the list that names it.
-    pub fn write_session(
-        &self,
-        folder: &Path,
-        (name, class, scale): (&str, &Classes, f64),
-    ) -> Result<(), EvaluateError> {
+    pub fn write_session(&self, folder: &Path, (name, class, scale): (&str, &Classes, f64)) -> Result<(), AttackError> {
         let RenderRequest { mesh, viewpoints, .. } = self.plan.request();
         let each = |of: fn(&Viewpoint) -> f64| {
             let mut values: Vec<f64> = viewpoints.iter().map(of).collect();
@@ -147,39 +104,38 @@ impl RenderedSet {
     }
 
     /// Renders what `folder` still lacks. `python` is called only when something is missing; `on_photo` is called with the photos done so far, those
-    /// found already included.
-    ///
-    /// # Errors
-    /// A folder of other views or paints, damaged photos, no Blender, and whatever Blender cannot do. Whole photos stay, and the next call goes on.
+    /// found already included. When Blender fails, whole photos stay, and the next call goes on.
     pub fn render(
         &self,
         folder: &Path,
-        python: impl FnOnce() -> Result<blender::Python, RenderError>,
+        python: impl FnOnce() -> Result<blender::Python, FramesError>,
         on_photo: impl FnMut(usize),
-    ) -> Result<(), EvaluateError> {
+    ) -> Result<(), AttackError> {
         check_folder(folder)?;
-        self.reserve(folder)?;
-        photos::render(self, folder, python, on_photo)
+        self.claim(folder)?;
+        photos::render(&self.plan, &self.photos, folder, python, on_photo)
     }
 
-    /// Writes what the folder and each paint's folder are for, or refuses those that are for something else.
-    fn reserve(&self, folder: &Path) -> Result<(), EvaluateError> {
+    /// Writes the identities of the folder's views and of each paint, or refuses folders of others.
+    fn claim(&self, folder: &Path) -> Result<(), AttackError> {
         let views = (folder.join("render.json"), as_file(&self.plan.view_identity()));
-        let own_folder = folder.to_owned();
-        if folder.join("session.json").exists() && !views.0.is_file() {
-            return Err(EvaluateError::OtherSession { folder: own_folder });
-        }
+        ensure!(
+            views.0.is_file() || !folder.join("session.json").exists(),
+            "{} holds a session that no evaluation made, which would be written over; give another folder",
+            folder.display()
+        );
         if entries(&folder.join("photos")).any(|of_paint| has_photos(&of_paint)) && is_other(&views)? {
-            return Err(RenderError::OtherRender { folder: own_folder }.into());
+            return Err(other_render(folder).into());
         }
         let mut notes = vec![views];
         for (variant, paint) in self.variants.iter().zip(&self.plan.request().colours) {
             let own = folder.join(folder_of(variant));
             let note = (own.join("paint.json"), as_file(&paint.identity()));
-            if has_photos(&own) && is_other(&note)? {
-                let variant = variant.clone();
-                return Err(EvaluateError::OtherPaint { folder: own, variant });
-            }
+            ensure!(
+                !has_photos(&own) || !is_other(&note)?,
+                "{} holds photos of another pattern, texture or tile than `{variant}` has now; give it another name, or remove that folder",
+                own.display()
+            );
             notes.push(note);
         }
         notes.extend(self.plan.pattern_files(folder)?);
@@ -187,25 +143,25 @@ impl RenderedSet {
     }
 }
 
-/// The width of azimuth bins, which divides 360° and comes next to the smallest step between two azimuths (ascending).
+/// Returns the width of azimuth bins, which divides 360° and comes next to the smallest step between two azimuths (ascending).
 pub fn azimuth_step(azimuths: &[f64]) -> f64 {
     let gaps = azimuths.windows(2).map(|pair| pair[1] - pair[0]);
     let smallest = gaps.fold(360.0, f64::min);
     360.0 / (360.0 / smallest).round().clamp(1.0, 360.0)
 }
 
-/// What was refused before its first photo leaves the folder free.
+/// Returns true for a folder with photos: one that was refused before its first photo is free.
 fn has_photos(folder: &Path) -> bool {
     entries(folder).any(|path| path.extension().is_some_and(|e| e == "png"))
 }
 
-/// What lies in a folder that may not be there.
+/// Lists a folder that may not be there.
 fn entries(folder: &Path) -> impl Iterator<Item = PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     entries.map(|entry| entry.path())
 }
 
-/// True when the note is not there, or says something else.
+/// Returns true when the note is not there, or says something else.
 fn is_other((note, text): &(PathBuf, Vec<u8>)) -> Result<bool, FileError> {
     files::inputs::own(note);
     Ok(!note.is_file() || files::read(note)? != *text)
@@ -215,7 +171,7 @@ fn as_file(identity: &Value) -> Vec<u8> {
     format!("{identity:#}\n").into_bytes()
 }
 
-/// Where a paint's photos lie, below the evaluation's folder.
+/// Returns the folder of a paint's photos, below the evaluation's folder.
 fn folder_of(variant: &str) -> PathBuf {
     Path::new("photos").join(variant)
 }

@@ -1,36 +1,37 @@
-//! Photos of an evaluation: which are missing, and those that Blender makes, each whole under its name or absent.
+//! Photos of an evaluation: the missing ones, and those that Blender makes, each whole under its name or absent.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use image::DynamicImage;
 
-use super::{EvaluateError, RenderedSet};
+use crate::AttackError;
 use scaleproof_core::files;
-use scaleproof_frames::encode_rgb;
-use scaleproof_frames::render::{Missing, PlannedFrame, RenderError, blender, srgb, triples};
+use scaleproof_core::message::bail;
+use scaleproof_frames::render::{Missing, PlannedFrame, RenderPlan, blender, srgb, stopped, triples};
+use scaleproof_frames::{FramesError, encode_rgb};
 use scaleproof_photo::{Budget, open_png};
 use scaleproof_session::PhotoEntry;
 
 /// Renders the missing photos into `folder`.
 pub(super) fn render(
-    evaluation: &RenderedSet,
+    plan: &RenderPlan,
+    photos: &[PhotoEntry],
     folder: &Path,
-    python: impl FnOnce() -> Result<blender::Python, RenderError>,
+    python: impl FnOnce() -> Result<blender::Python, FramesError>,
     mut on_photo: impl FnMut(usize),
-) -> Result<(), EvaluateError> {
-    let missing = missing(evaluation, folder)?;
-    let wanted = evaluation.photos.len();
+) -> Result<(), AttackError> {
+    let missing = missing(plan, photos, folder)?;
+    let wanted = photos.len();
     let mut done = wanted - missing.frames.len();
     on_photo(done);
     if missing.is_empty() {
         return Ok(());
     }
     let python = python()?;
-    let plan = &evaluation.plan;
-    let (work, size_px) = (&blender::work_folder(folder), plan.request().size_px);
+    let size_px = plan.request().size_px;
     let named = |(frame, photo): (&PlannedFrame, &PhotoEntry)| (plan.frame_name(frame), folder.join(&photo.file));
-    let places: HashMap<String, PathBuf> = plan.frames().iter().zip(&evaluation.photos).map(named).collect();
+    let places: HashMap<String, PathBuf> = plan.frames().iter().zip(photos).map(named).collect();
     let finished = blender::run(&python, &plan.to_script(&missing, folder), folder, |event| {
         if let blender::BlenderEvent::Frame(name) = event
             && let Some(place) = places.get(&name)
@@ -43,21 +44,20 @@ pub(super) fn render(
         Ok(())
     })?;
     if !finished || done < wanted {
-        let log = blender::log(work);
-        return Err(RenderError::Stopped { done, wanted, log }.into());
+        return Err(stopped(folder, done, wanted).into());
     }
     // Nothing is lost if the work folder stays.
-    let _ = files::chosen::remove_folder(folder, work);
+    let _ = files::chosen::remove_folder(folder, &blender::work_folder(folder));
     Ok(())
 }
 
-/// The photos that are not there; those that are must be whole.
-fn missing(evaluation: &RenderedSet, folder: &Path) -> Result<Missing, EvaluateError> {
+/// Lists the photos that are not there; those that are must be whole.
+fn missing(plan: &RenderPlan, photos: &[PhotoEntry], folder: &Path) -> Result<Missing, AttackError> {
     let mut frames: Vec<PlannedFrame> = Vec::new();
-    for (frame, photo) in evaluation.plan.frames().into_iter().zip(&evaluation.photos) {
+    for (frame, photo) in plan.frames().into_iter().zip(photos) {
         let path = folder.join(&photo.file);
         if path.is_file() {
-            check(&path, evaluation.plan.request().size_px)?;
+            check(&path, plan.request().size_px)?;
         } else {
             frames.push(frame);
         }
@@ -68,7 +68,7 @@ fn missing(evaluation: &RenderedSet, folder: &Path) -> Result<Missing, EvaluateE
     })
 }
 
-fn check(path: &Path, size_px: [u32; 2]) -> Result<(), EvaluateError> {
+fn check(path: &Path, size_px: [u32; 2]) -> Result<(), AttackError> {
     let bytes = files::read(path)?;
     let decoded = open_png(&bytes, &Budget::FILE)
         .map_err(|e| e.to_string())
@@ -79,6 +79,8 @@ fn check(path: &Path, size_px: [u32; 2]) -> Result<(), EvaluateError> {
         Ok(found) => format!("it has {}×{} pixels and not {width}×{height}", found.0, found.1),
         Err(reason) => reason,
     };
-    let path = path.to_owned();
-    Err(EvaluateError::Damaged { path, reason })
+    bail!(
+        "{} is damaged ({reason}): remove it, and the same command renders it again",
+        path.display()
+    )
 }

@@ -1,4 +1,4 @@
-//! What patterns do on the model against the time that making them took.
+//! The chart of patterns in rendered photos against the time of their making.
 
 use serde::Serialize;
 
@@ -6,7 +6,7 @@ use super::finished::RenderedFigures;
 use crate::run::history::{History, ap_chart, ap_dot};
 use scaleproof_plot::{Dot, distinct};
 
-/// A run, and what its pattern does in rendered photos.
+/// Run with the figures of its pattern in rendered photos.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct RenderedRun {
     /// Name of the method, such as `dta` or `er` (all are in sidecars.md).
@@ -33,7 +33,7 @@ impl RenderedRun {
     }
 }
 
-/// The chart: AP@0.5 in rendered photos against the whole wall time, a plot for each detector, a colour for each method; the filled share of a mark is the
+/// Draws the chart: AP@0.5 in rendered photos against the whole wall time, a plot for each detector, a colour for each method; the filled share of a mark is the
 /// hit rate.
 pub fn draw(runs: &[RenderedRun]) -> String {
     let methods = distinct(runs.iter().map(|run| run.method.clone()));
@@ -56,10 +56,8 @@ pub fn draw(runs: &[RenderedRun]) -> String {
 
 fn of_detector(detector: &str, runs: &[RenderedRun], methods: &[String]) -> Vec<Dot> {
     let figures = |run: &RenderedRun| {
-        run.rendered
-            .iter()
-            .find(|f| f.detector == detector)
-            .map(|f| [f.ap50, f.hit_rate])
+        let found = run.rendered.iter().find(|f| f.detector == detector)?;
+        Some([found.ap50, found.hit_rate])
     };
     let mark = |run: &RenderedRun| {
         let series = methods.iter().position(|method| *method == run.method).unwrap_or(0);

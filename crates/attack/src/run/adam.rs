@@ -3,11 +3,11 @@
 use scaleproof_gradients::adam::Adam;
 use serde::{Deserialize, Serialize};
 
-use super::Rgb;
+use super::cells::Rgb;
 
 const EPSILON: f64 = 1e-8;
 
-/// The moments.
+/// Adam's moments of cells.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CellMoments {
     steps: i32,
@@ -24,7 +24,7 @@ impl CellMoments {
         }
     }
 
-    /// One step against the gradient; cells stay between `low` and `high`.
+    /// Takes a step against the gradient; cells stay between `low` and `high`.
     pub fn step(&mut self, cells: &mut [Rgb], gradient: &[Rgb], learning_rate: f64, [low, high]: [f64; 2]) {
         self.steps = self.steps.saturating_add(1);
         let adam = Adam {

@@ -5,8 +5,8 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use serde::{Serialize, Serializer};
 
+use super::cells::{Rgb, of_image, to_image};
 use super::resample::Resample;
-use super::{Rgb, of_image, to_image};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::statistics::normal;
 use scaleproof_frames::surrogate::projection::repeated::Jitter;
@@ -15,10 +15,10 @@ use scaleproof_gradients::separable::{Separable, Tap};
 use scaleproof_photo::as_jpeg;
 use scaleproof_photo::defence::{Defence, Frame};
 
-/// A kind of augmentation: its name, and what adds it.
+/// Kind of augmentation: its name, and the function that adds it.
 type Kind = (&'static str, fn(&mut Eot));
 
-/// Ranges to draw from.
+/// Ranges that augmentations are drawn from.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Eot {
     /// Shift of the texture on the model, to either side, in repeats.
@@ -27,32 +27,32 @@ pub struct Eot {
     pub tile_scale: f64,
     /// Turn of the pattern on each side of the model, to either side, degrees; not for Repeated Texture Projection.
     pub turn_deg: f64,
-    /// Error of the pose: the paint is seen so many pixels off at most, along each axis, and turned by so many degrees at most; not for Repeated
-    /// Texture Projection.
+    /// Error of the pose: the largest shift of the paint in the image along each axis, px, and its largest turn, degrees; not for Repeated Texture
+    /// Projection.
     pub pose: f64,
-    /// Images are predicted by any of the closed forms that can be fitted, not only by the default.
+    /// True when images are predicted by any of the closed forms that can be fitted, not only by the default.
     pub any_renderer: bool,
-    /// Exponent of the image's values, as a camera's tone curve has it: from one less than 1 to its inverse.
+    /// Exponent of the image's values, as of a camera's tone curve: drawn from this one, below 1, to its inverse.
     pub tone: f64,
     /// Added to the image, to either side, in sRGB of 0 to 1.
     pub brightness: f64,
-    /// Factor about middle grey: from one less than 1 to its inverse.
+    /// Factor about middle grey: drawn from this one, below 1, to its inverse.
     pub contrast: f64,
     /// Size of the image about its middle: from one to another.
     pub scale: [f64; 2],
-    /// The image is moved by so many pixels at most: which of a detector's cells the model falls into is chance.
+    /// Largest shift of the image, px: it is chance which of a detector's cells the model falls into.
     pub offset_px: f64,
     /// Standard deviation of the noise of each value, in sRGB of 0 to 1.
     pub noise: f64,
-    /// Factor of each channel: from one less than 1 to its inverse.
+    /// Factor of each channel: drawn from this one, below 1, to its inverse.
     pub white_balance: f64,
-    /// Standard deviation of the blur, from none to so many px.
+    /// Largest standard deviation of the blur, px.
     pub blur_px: f64,
     /// JPEG compression, from the best quality down to this one; 100 for none.
     pub jpeg_quality: u8,
     /// Share of images that get the background of another view.
     pub background: f64,
-    /// What a defender does to the image last of all.
+    /// Defence that is applied to the image last of all.
     #[serde(serialize_with = "by_name")]
     pub defence: Option<Defence>,
 }
@@ -82,7 +82,7 @@ impl Eot {
         defence: None,
     };
 
-    /// The usual: no shift of the pattern (print fixes where it lies), and of the image what a camera does.
+    /// The default: no shift of the pattern (print fixes its place), and the changes of the image that a camera makes.
     pub const USUAL: Self = Self {
         brightness: 0.08,
         contrast: 0.85,
@@ -92,7 +92,7 @@ impl Eot {
         ..Self::NONE
     };
 
-    /// What can be added to the usual, by name.
+    /// Kinds that can be added to the default, by name.
     pub const KINDS: [Kind; 14] = [
         ("brightness", |eot| eot.brightness = 0.25),
         ("contrast", |eot| eot.contrast = 0.7),
@@ -110,7 +110,7 @@ impl Eot {
         ("tone", |eot| eot.tone = 0.75),
     ];
 
-    /// One draw of how wrong the pattern lies on the model.
+    /// Draws an error of the pattern's place.
     pub fn misplaced(&self, rng: &mut impl Rng) -> Misplacement {
         let mut either = |by: f64| by * rng.random_range(-1.0..1.0);
         Misplacement {
@@ -121,12 +121,13 @@ impl Eot {
         }
     }
 
-    /// Whether the pattern ever lies wrong.
+    /// Returns true when the pattern's place ever has an error.
     pub fn misplaces(&self) -> bool {
         [self.tile_scale, self.turn_deg, self.pose].iter().any(|by| *by > 0.0)
     }
 }
 
+/// Draw of the augmentations for one image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Augmentation {
     /// φ_rd, the random shift of the texture, and for Repeated Texture Projection its size.
@@ -141,12 +142,12 @@ pub struct Augmentation {
     blur_px: f64,
     jpeg_quality: u8,
     defence: Option<Defence>,
-    /// Which view the background is of, as a share of all views; `None` for its own.
+    /// View that the background is of, as a share of all views; `None` for its own.
     pub background: Option<f64>,
     tone: f64,
-    /// Which of the ways in which a view's pattern lies, as a share of them; 0 is the true one.
+    /// Choice among a view's places of the pattern, as a share of them; 0 is the true one.
     pub laid: f64,
-    /// Which of a view's renderers, as a share of them; 0 is the default.
+    /// Choice among a view's renderers, as a share of them; 0 is the default.
     pub renderer: f64,
 }
 
@@ -170,6 +171,7 @@ impl Augmentation {
         renderer: 0.0,
     };
 
+    /// Draws from the ranges.
     pub fn random(eot: &Eot, rng: &mut impl Rng) -> Self {
         let mut either = |by: f64| by * rng.random_range(-1.0..1.0);
         let jitter = Jitter {
@@ -202,11 +204,12 @@ impl Augmentation {
         }
     }
 
+    /// Draws for each of some views.
     pub fn of_each(views: Vec<usize>, eot: &Eot, rng: &mut impl Rng) -> Vec<(usize, Self)> {
         views.into_iter().map(|view| (view, Self::random(eot, rng))).collect()
     }
 
-    /// Where a box of the image comes to lie.
+    /// Returns a box of the image as it lies in the augmented one.
     pub fn moved(&self, b: &BoxPx, size_px: [u32; 2]) -> BoxPx {
         let middle = size_px.map(|px| 0.5 * f64::from(px));
         let (scale, offset_px) = self.placed(size_px);
@@ -215,7 +218,7 @@ impl Augmentation {
         BoxPx::new(x(b.x1), y(b.y1), x(b.x2), y(b.y2))
     }
 
-    /// Size of the image about its middle, and how far it is moved, px: as drawn, then as a defence cuts or pads it.
+    /// Returns the size of the image about its middle, and its shift, px: as drawn, then as a defence cuts or pads it.
     fn placed(&self, size_px: [u32; 2]) -> (f64, [f64; 2]) {
         let frame = match self.defence {
             Some(Defence::Crops(_)) => Defence::Crops(1).frames(size_px, self.noise_seed),
@@ -231,14 +234,15 @@ impl Augmentation {
         (self.scale * larger, [moved(0, window.x1), moved(1, window.y1)])
     }
 
-    /// What a defender makes of the image, where that is no matter of its place.
-    fn squeezed(&self, image: &[Rgb], size_px: [u32; 2]) -> Option<Vec<Rgb>> {
+    /// Applies the defence, unless that only cuts or pads the image.
+    fn defended(&self, image: &[Rgb], size_px: [u32; 2]) -> Option<Vec<Rgb>> {
         let defence = self.defence?;
         let is_placed = matches!(defence, Defence::ResizePad | Defence::Crops(_));
         let made = (!is_placed).then(|| defence.image(&to_image(image, size_px[0]), &Frame::whole(size_px)));
         Some(of_image(&made??))
     }
 
+    /// Augments an image.
     pub fn apply(&self, image: &[Rgb], size_px: [u32; 2]) -> AugmentedImage {
         let (scale, offset_px) = self.placed(size_px);
         let is_still = scale == 1.0 && offset_px == [0.0, 0.0];
@@ -266,7 +270,7 @@ impl Augmentation {
             let lossy = as_jpeg(&to_image(&image, size_px[0]), self.jpeg_quality);
             image = lossy.map_or(image, |lossy| of_image(&lossy));
         }
-        image = self.squeezed(&image, size_px).unwrap_or(image);
+        image = self.defended(&image, size_px).unwrap_or(image);
         AugmentedImage {
             image,
             slopes,
@@ -276,17 +280,18 @@ impl Augmentation {
     }
 }
 
+/// Augmented image with the state of its vector–Jacobian product.
 #[derive(Debug, Clone)]
 pub struct AugmentedImage {
     pub image: Vec<Rgb>,
-    /// Derivative of each value by the one that it was made of; 0 where it is clipped.
+    /// Derivative of each value with respect to the one that it was made of; 0 where it is clipped.
     slopes: Vec<Rgb>,
     resample: Option<Resample>,
     blur: Option<Separable>,
 }
 
 impl AugmentedImage {
-    /// From the derivative with respect to the augmented image to that with respect to the image before. Compression counts as no change, as do
+    /// Converts the gradient with respect to the augmented image to that with respect to the image before. Compression counts as no change, as do
     /// fewer bits and the median: they round or choose, and have no derivative that helps (Shin & Song 2017; "straight-through", Bengio et al. 2013; BPDA,
     /// Athalye et al. 2018).
     pub fn vjp(&self, mut gradient: Vec<Rgb>) -> Vec<Rgb> {
@@ -303,10 +308,10 @@ impl AugmentedImage {
     }
 }
 
-/// Darker values are as steep as this one, since the derivative of a root grows without bound.
+/// Value below which the derivative of a tone curve stays the same, since that of a root grows without bound.
 const DARKEST: f64 = 0.01;
 
-/// A value after a tone curve, and the derivative.
+/// Applies a tone curve: returns the value and its derivative.
 fn toned(value: f64, exponent: f64) -> (f64, f64) {
     if exponent == 1.0 {
         return (value, 1.0);
@@ -316,10 +321,10 @@ fn toned(value: f64, exponent: f64) -> (f64, f64) {
     (value.powf(exponent), slope)
 }
 
-/// Less blur is none.
+/// Least standard deviation of a blur that is applied.
 const LEAST_BLUR_PX: f64 = 0.2;
 
-/// A Gaussian blur, up to three standard deviations; beyond the border, the image goes on as it ends.
+/// Creates a Gaussian blur, up to three standard deviations; the border is repeated.
 fn blur(size_px: [u32; 2], sigma_px: f64) -> Separable {
     let reach = (3.0 * sigma_px).ceil() as i64;
     let kernel = |by: i64| (-0.5 * (by as f64 / sigma_px).powi(2)).exp();
@@ -341,8 +346,8 @@ fn blur(size_px: [u32; 2], sigma_px: f64) -> Separable {
     Separable::new(size_px.map(|side| side as usize), columns, rows)
 }
 
-/// Cells moved right and down by parts of the whole, round and round; between cells linearly. Moving by the negative is
-/// the transposed map. Of several square patterns below each other each is moved by itself.
+/// Shifts cells cyclically to the right and down by parts of the whole, between cells linearly. Shifting by the negative is the transposed map. Of
+/// several square patterns below each other each is shifted by itself.
 pub fn rolled(cells: &[Rgb], columns: usize, shift_tiles: [f64; 2]) -> Vec<Rgb> {
     if shift_tiles == [0.0, 0.0] {
         return cells.to_vec();

@@ -1,5 +1,5 @@
-//! What a resumed run needs, in one file; floats come back bit for bit. The file begins with the SHA-256 of the rest, as hex: a damaged one would
-//! go on to another pattern.
+//! The file that a resumed run goes on from; floats come back bit for bit. It begins with the SHA-256 of the rest, as hex: a damaged one would go
+//! on to another pattern.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -8,37 +8,34 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::RunError;
 use super::history::Entry;
+use crate::AttackError;
 use scaleproof_core::files;
 
 pub const FILE: &str = "checkpoint";
-/// Between two of them.
+/// Longest time between two checkpoints.
 pub const AT_MOST: Duration = Duration::from_secs(20);
 
 /// Hexadecimal digits of a SHA-256.
 const HASH_LENGTH: usize = 64;
 
-/// The content of the file.
+/// Content of the file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
-    /// What the run depends on.
+    /// All that the run depends on ([`key`]).
     key: String,
-    /// Steps done.
+    /// Number of steps done.
     pub steps: u32,
     pub history: Vec<Entry>,
-    /// What the method keeps besides.
+    /// State of the method.
     pub content: Vec<u8>,
 }
 
-/// A longer value is known by its SHA-256.
+/// Longest value of a setting in a key; longer ones are their SHA-256.
 const LONGEST_VALUE: usize = 60;
 
-/// What a run depends on, as JSON: each setting with its value.
-///
-/// # Errors
-/// Only if the encoder fails.
-pub fn key(settings: &impl Serialize) -> Result<String, RunError> {
+/// Encodes all that a run depends on as JSON: each setting with its value.
+pub fn key(settings: &impl Serialize) -> Result<String, AttackError> {
     let settings: BTreeMap<String, Value> = serde_json::from_value(serde_json::to_value(settings)?)?;
     let short = |value: Value| match value.to_string() {
         text if text.len() > LONGEST_VALUE => files::sha256_hex(text.as_bytes()),
@@ -48,8 +45,8 @@ pub fn key(settings: &impl Serialize) -> Result<String, RunError> {
     Ok(serde_json::to_string(&short)?)
 }
 
-/// Which settings of two runs differ, in brackets: `(batch 2, here 4; detectors)`. Nothing for a checkpoint of another version, which says less.
-fn which(theirs: &str, ours: &str) -> String {
+/// Lists the settings in which two runs differ, in brackets: `(batch 2, here 4; detectors)`. Nothing for a checkpoint of another version, which says less.
+fn differences(theirs: &str, ours: &str) -> String {
     let read = |key| serde_json::from_str::<BTreeMap<String, String>>(key).unwrap_or_default();
     let (theirs, ours) = (read(theirs), read(ours));
     let is_short = |value: &String| value.len() <= 16;
@@ -80,8 +77,8 @@ impl Checkpoint {
         }
     }
 
-    /// The checkpoint in a folder; `None` where there is none.
-    pub fn load(folder: &Path, key: &str) -> Result<Option<Self>, RunError> {
+    /// Reads the checkpoint in a folder; `None` where there is none.
+    pub fn load(folder: &Path, key: &str) -> Result<Option<Self>, AttackError> {
         let path = folder.join(FILE);
         if !path.exists() {
             return Ok(None);
@@ -91,18 +88,18 @@ impl Checkpoint {
         let parts = bytes.split_at_checked(HASH_LENGTH);
         let whole = parts.filter(|(hash, rest)| files::sha256_hex(rest).as_bytes() == *hash);
         match whole.and_then(|(_, rest)| postcard::from_bytes::<Self>(rest).ok()) {
-            None => Err(RunError::Damaged { path }),
-            Some(found) if found.key != key => Err(RunError::OtherRun {
-                which: which(&found.key, key),
+            None => Err(AttackError::Damaged { path }),
+            Some(found) if found.key != key => Err(AttackError::OtherRun {
+                which: differences(&found.key, key),
                 path,
             }),
             Some(found) => Ok(Some(found)),
         }
     }
 
-    /// Whole or not at all. Another run may have begun in the folder meanwhile, and its checkpoint is not taken from it.
-    pub fn save(&self, folder: &Path) -> Result<(), RunError> {
-        if let Err(other @ RunError::OtherRun { .. }) = Self::load(folder, &self.key) {
+    /// Writes the file, unless another run has begun in the folder meanwhile.
+    pub fn save(&self, folder: &Path) -> Result<(), AttackError> {
+        if let Err(other @ AttackError::OtherRun { .. }) = Self::load(folder, &self.key) {
             return Err(other);
         }
         let rest = postcard::to_allocvec(self)?;

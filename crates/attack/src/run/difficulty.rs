@@ -1,11 +1,11 @@
-//! Which views a step looks at: each in turn, and some for how well the model is still seen in them.
+//! The choice of a step's views: each in turn, and some for how well the model is still seen in them.
 
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
-use super::{batch, drawn_by};
+use super::draw::{batch, drawn_by};
 
-/// The last loss in each view; before the first look it counts as the highest.
+/// Last loss in each view; a view without one counts as the highest.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Difficulty {
     losses: Vec<Option<f64>>,
@@ -22,9 +22,8 @@ impl Difficulty {
         self.losses[view] = Some(loss);
     }
 
-    /// `size` views of a step, of which a share is drawn with probabilities as their losses; the others come in turn, so that no view is
-    /// forgotten.
-    pub fn batch(&self, views: &[usize], (size, hard): (u32, f64), seed: u64, step: u32) -> Vec<usize> {
+    /// Chooses `size` views of a step, of which a share `hard` is drawn with probabilities as their losses; the others come in turn.
+    pub fn batch(&self, views: &[usize], size: u32, hard: f64, seed: u64, step: u32) -> Vec<usize> {
         let size = size.min(views.len() as u32);
         let drawn = (hard * f64::from(size)).round() as u32;
         let mut chosen = batch(views, size - drawn, seed, step);

@@ -1,13 +1,14 @@
-//! The history of a run, and several on one chart.
+//! The history of a run, and the chart of several.
 
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::RunError;
 use super::judge::HeldOutFigures;
+use crate::AttackError;
 use scaleproof_core::files;
+use scaleproof_core::message::message;
 use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
 use scaleproof_pose::scene::Classes;
 
@@ -59,15 +60,16 @@ pub struct History {
 }
 
 impl History {
-    /// The history in the folder of a result.
-    pub fn load(folder: &Path) -> Result<Self, RunError> {
+    /// Reads the history in the folder of a result.
+    pub fn load(folder: &Path) -> Result<Self, AttackError> {
         let path = folder.join(FILE);
         let read = serde_json::from_str::<Self>(&files::read_text(&path)?).map_err(|e| e.to_string());
         let possible = read.and_then(|history| history.fault().map_or(Ok(history), Err));
-        possible.map_err(|reason| RunError::NotAHistory { path, reason })
+        let path = path.display();
+        Ok(possible.map_err(|reason| message!("{path} is no history of a pattern ({reason}): make it again"))?)
     }
 
-    /// A figure that no run has.
+    /// Finds a figure that no run can have.
     fn fault(&self) -> Option<String> {
         let of_entry = |entry: &Entry| {
             let of_held_out = |f: HeldOutFigures| {
@@ -86,21 +88,16 @@ impl History {
         impossible.map(|(name, value, _)| format!("its {name} is {value}"))
     }
 
-    /// The history as a file of the folder.
-    ///
-    /// # Errors
-    /// Only if the encoder fails.
-    pub fn to_file(&self, folder: &Path) -> Result<(PathBuf, Vec<u8>), RunError> {
+    /// Encodes the history as a file of the folder.
+    pub fn to_file(&self, folder: &Path) -> Result<(PathBuf, Vec<u8>), AttackError> {
         Ok((folder.join(FILE), serde_json::to_vec_pretty(self)?))
     }
 
-    /// In what two were made otherwise, so that they cannot stand on one chart, as clauses; none where they can.
+    /// Lists the differences for which two cannot stand on one chart, as clauses.
     pub fn differences(&self, other: &Self) -> Vec<String> {
         let classes = |history: &History| {
-            history
-                .classes
-                .as_ref()
-                .map_or("not stated".to_owned(), |c| c.labels().join(", "))
+            let classes = history.classes.as_ref();
+            classes.map_or("not stated".to_owned(), |c| c.labels().join(", "))
         };
         let both = [
             ("frames", self.frames_sha256.clone(), other.frames_sha256.clone()),
@@ -128,8 +125,7 @@ impl History {
     }
 }
 
-/// The chart: AP@0.5 on the held-out views against wall time, a colour for each method; the filled share of a
-/// mark is the hit rate.
+/// Draws the chart: AP@0.5 on the held-out views against wall time, a colour for each method; the filled share of a mark is the hit rate.
 pub fn draw(histories: &[History]) -> String {
     let methods = distinct(histories.iter().map(|history| history.method.clone()));
     let dots: Vec<Dot> = histories.iter().flat_map(|history| of_one(history, &methods)).collect();
@@ -147,7 +143,7 @@ pub fn draw(histories: &[History]) -> String {
     )
 }
 
-/// AP@0.5 against seconds, a colour for each method and a plot for each group. `words`: the title, what a mark is, and what a ring about one means.
+/// Draws AP@0.5 against seconds, a colour for each method and a plot for each group. `words`: the title, what a mark is, and what a ring about one means.
 pub(crate) fn ap_chart(words: [&str; 3], of: &str, methods: Vec<String>, groups: Vec<(String, Vec<Dot>)>) -> String {
     let [title, shape, ringed] = words.map(str::to_owned);
     let dots = || groups.iter().flat_map(|(_, dots)| dots);
@@ -164,7 +160,7 @@ pub(crate) fn ap_chart(words: [&str; 3], of: &str, methods: Vec<String>, groups:
     .svg()
 }
 
-/// A mark of [`ap_chart`]; a pattern that took no time stands at the left end.
+/// Creates a mark of [`ap_chart`]; a pattern that took no time stands at the left end.
 pub(crate) fn ap_dot(wall_s: f64, [ap50, hit_rate]: [f64; 2], series: usize, is_ringed: bool) -> Dot {
     Dot {
         x: wall_s.max(1.0),

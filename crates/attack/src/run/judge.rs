@@ -1,18 +1,21 @@
-//! How often a pattern is still detected, by the surrogate renderer's images of the views held out. This guides; what
-//! counts are new images, rendered or photographed.
+//! Detections of a pattern in the surrogate renderer's images of the views held out. They guide; what counts are new images, rendered or
+//! photographed.
 
 use serde::{Deserialize, Serialize};
 
+use super::augmentation::Augmentation;
+use super::cells::Rgb;
 use super::loss::{HIT_CONFIDENCE, HIT_IOU};
+use super::parallel;
 use super::view_set::ViewSet;
-use super::{Augmentation, Rgb, RunError, together};
+use crate::AttackError;
 use scaleproof_core::ap::{ImageBoxes, average_precision};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::workers;
 use scaleproof_detect::{CandidateBox, SCORE_FLOOR, suppress};
 use scaleproof_gradients::{MEETS_IOU, Prediction, WhiteBox, strongest};
 
-/// What the detectors say of predicted images of held-out views: means over views and detectors.
+/// Figures of predicted images of held-out views: means over views and detectors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct HeldOutFigures {
     /// How many held-out views were predicted.
@@ -25,43 +28,48 @@ pub struct HeldOutFigures {
     pub mean_confidence: f64,
 }
 
-/// Judges cells (sRGB, 0 to 1).
-pub fn judge(view_set: &ViewSet, detectors: &[Box<dyn WhiteBox>], cells: &[Rgb]) -> Result<HeldOutFigures, RunError> {
+/// Judges cells (sRGB, 0 to 1) by the views held out.
+pub fn judge(
+    view_set: &ViewSet,
+    detectors: &[Box<dyn WhiteBox>],
+    cells: &[Rgb],
+) -> Result<HeldOutFigures, AttackError> {
     judge_images(view_set, detectors, |view| {
         Ok(view_set.textured(view, cells, &Augmentation::NONE).augmented.image)
     })
 }
 
-/// Judges whatever is in the images of the views held out.
+/// Judges any images of the views held out.
 pub fn judge_images(
     view_set: &ViewSet,
     detectors: &[Box<dyn WhiteBox>],
-    image: impl Fn(usize) -> Result<Vec<Rgb>, RunError> + Sync,
-) -> Result<HeldOutFigures, RunError> {
-    let seen = look(view_set, detectors, &view_set.judged(), image)?;
-    let mean = |of: fn(&SeenByDetector) -> f64| seen.iter().map(of).sum::<f64>() / seen.len().max(1) as f64;
+    image: impl Fn(usize) -> Result<Vec<Rgb>, AttackError> + Sync,
+) -> Result<HeldOutFigures, AttackError> {
+    let seen = detect(view_set, detectors, &view_set.judged(), image)?;
+    let mean = |of: fn(&ViewDetections) -> f64| seen.iter().map(of).sum::<f64>() / seen.len().max(1) as f64;
     Ok(HeldOutFigures {
         views: view_set.judged().len(),
-        ap50: mean(SeenByDetector::ap50),
-        hit_rate: mean(SeenByDetector::hit_rate),
-        mean_confidence: mean(SeenByDetector::mean_confidence),
+        ap50: mean(ViewDetections::ap50),
+        hit_rate: mean(ViewDetections::hit_rate),
+        mean_confidence: mean(ViewDetections::mean_confidence),
     })
 }
 
+/// Detections of one detector in some views.
 #[derive(Default)]
-pub struct SeenByDetector {
+pub struct ViewDetections {
     /// Confidence of the most confident box on the model, in each view; 0 where there is none.
     pub confidences: Vec<f64>,
     boxes: Vec<ImageBoxes>,
 }
 
-impl SeenByDetector {
-    /// AP@0.5 as `score` computes it by default.
+impl ViewDetections {
+    /// Computes AP@0.5 as `score` does by default.
     pub fn ap50(&self) -> f64 {
         average_precision(&self.boxes, HIT_IOU).map_or(0.0, |found| found.ap)
     }
 
-    /// Share of images with a box on the model (IoU ≥ 0.5) of confidence ≥ 0.5.
+    /// Returns the share of images with a box on the model (IoU ≥ 0.5) of confidence ≥ 0.5.
     pub fn hit_rate(&self) -> f64 {
         let hits = self.confidences.iter().filter(|c| **c >= HIT_CONFIDENCE);
         hits.count() as f64 / self.confidences.len().max(1) as f64
@@ -72,26 +80,26 @@ impl SeenByDetector {
     }
 }
 
-/// Lets every detector look at some views.
-pub fn look(
+/// Runs every detector on some views.
+pub fn detect(
     view_set: &ViewSet,
     detectors: &[Box<dyn WhiteBox>],
     views: &[usize],
-    image: impl Fn(usize) -> Result<Vec<Rgb>, RunError> + Sync,
-) -> Result<Vec<SeenByDetector>, RunError> {
-    let looked = together::on_each(workers::thread_count(), detectors, views, |detectors, view| {
+    image: impl Fn(usize) -> Result<Vec<Rgb>, AttackError> + Sync,
+) -> Result<Vec<ViewDetections>, AttackError> {
+    let results = parallel::evaluate_each(workers::thread_count(), detectors, views, |detectors, view| {
         let image = image(*view)?;
         let reported = |detector: &&dyn WhiteBox| {
-            let mut predictions = predictions(view_set, *detector, (*view, &image))?;
+            let mut predictions = predictions(view_set, *detector, *view, &image)?;
             predictions.retain(|prediction| prediction.is_reported);
             Ok(predictions)
         };
-        detectors.iter().map(reported).collect::<Result<Vec<_>, RunError>>()
+        detectors.iter().map(reported).collect::<Result<Vec<_>, AttackError>>()
     });
-    let mut seen: Vec<SeenByDetector> = detectors.iter().map(|_| SeenByDetector::default()).collect();
-    for (view, looks) in views.iter().zip(looked?) {
+    let mut seen: Vec<ViewDetections> = detectors.iter().map(|_| ViewDetections::default()).collect();
+    for (view, of_view) in views.iter().zip(results?) {
         let outline = &view_set.views[*view].outline;
-        for ((detector, predictions), seen) in detectors.iter().zip(looks).zip(&mut seen) {
+        for ((detector, predictions), seen) in detectors.iter().zip(of_view).zip(&mut seen) {
             let found = strongest(&predictions, outline, HIT_IOU);
             seen.confidences.push(found.map_or(0.0, |i| predictions[i].confidence));
             seen.boxes.push(ImageBoxes {
@@ -104,23 +112,26 @@ pub fn look(
     Ok(seen)
 }
 
-/// The highest confidence of a box that meets the model; 0 where there is none.
+/// Returns the highest confidence of a box that meets the model; 0 where there is none.
 pub fn confidence(
     view_set: &ViewSet,
     detector: &dyn WhiteBox,
-    (view, image, outline): (usize, &[Rgb], &BoxPx),
-) -> Result<f64, RunError> {
-    let predictions = predictions(view_set, detector, (view, image))?;
+    view: usize,
+    image: &[Rgb],
+    outline: &BoxPx,
+) -> Result<f64, AttackError> {
+    let predictions = predictions(view_set, detector, view, image)?;
     Ok(strongest(&predictions, outline, MEETS_IOU).map_or(0.0, |i| predictions[i].confidence))
 }
 
-/// What a detector says of an image, every confidence a number.
+/// Runs a detector on an image; every confidence is a number.
 fn predictions(
     view_set: &ViewSet,
     detector: &dyn WhiteBox,
-    (view, image): (usize, &[Rgb]),
-) -> Result<Vec<Prediction>, RunError> {
-    let failed = |reason| view_set.not_seen(view, detector, reason);
+    view: usize,
+    image: &[Rgb],
+) -> Result<Vec<Prediction>, AttackError> {
+    let failed = |reason| view_set.forward_pass_failed(view, detector, reason);
     let predictions = detector.predictions(image, view_set.size_px(view)).map_err(failed)?;
     if predictions.iter().all(|prediction| prediction.confidence.is_finite()) {
         Ok(predictions)
@@ -129,11 +140,9 @@ fn predictions(
     }
 }
 
-/// The boxes that scoring would see.
+/// Returns the boxes, with their scores, that scoring would see.
 fn detections(predictions: &[Prediction], nms_iou: f64) -> Vec<(f64, BoxPx)> {
-    let candidates = predictions
-        .iter()
-        .filter(|prediction| prediction.confidence >= SCORE_FLOOR);
+    let candidates = predictions.iter().filter(|p| p.confidence >= SCORE_FLOOR);
     let candidates = candidates.map(|prediction| CandidateBox {
         label: 0,
         score: prediction.confidence,

@@ -1,10 +1,11 @@
 //! The attack loss of DTA (CVPR 2022, eq. 7), `−ln(1 − max C)`, and the confidence below which its gradient fades.
 
-/// A hit, as `score` counts it: this overlap, and this confidence.
+/// Least overlap of a hit, as `score` counts it.
 pub const HIT_IOU: f64 = 0.5;
+/// Least confidence of a hit, as `score` counts it.
 pub const HIT_CONFIDENCE: f64 = 0.5;
 
-/// DTA's loss with a floor other than a half: `ln(1 + odds(C) / odds(floor))`, and its derivative with respect to
+/// Computes DTA's loss with a floor other than a half: `ln(1 + odds(C) / odds(floor))`, and its derivative with respect to
 /// `loss`, which is `−ln(1 − C)`.
 ///
 /// By the logit of C it changes by σ(logit C − logit floor): the gradient fades at `floor`. With a half it is DTA's own, which ignores a box

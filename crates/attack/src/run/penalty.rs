@@ -1,12 +1,11 @@
-//! What a pattern is to be besides adversarial: smooth, and near another. Values and derivatives, of
-//! cells as sRGB of 0 to 1.
+//! Penalties on a pattern: for not being smooth, and for the distance to another. Values and gradients, of cells as sRGB of 0 to 1.
 
-use super::Rgb;
+use super::cells::Rgb;
 
-/// Keeps the root differentiable where neighbours are equal.
+/// Term under the root that keeps it differentiable where neighbours are equal.
 const SOFT: f64 = 1e-6;
 
-/// Total variation (Mahendran & Vedaldi, CVPR 2015, with exponent 1/2): the mean over cells of the distance to the
+/// Computes the total variation (Mahendran & Vedaldi, CVPR 2015, with exponent 1/2): the mean over cells of the distance to the
 /// neighbours on the right and below, round and round, for the pattern is repeated. Several square patterns, as those of the
 /// sides, lie below each other, and none has a neighbour in another.
 pub fn smooth(cells: &[Rgb], columns: usize) -> (f64, Vec<Rgb>) {
@@ -31,7 +30,7 @@ pub fn smooth(cells: &[Rgb], columns: usize) -> (f64, Vec<Rgb>) {
     (sum / count, gradient)
 }
 
-/// The mean over cells of the squared distance to those of another pattern.
+/// Computes the mean over cells of the squared distance to those of another pattern.
 pub fn distance(cells: &[Rgb], others: &[Rgb]) -> (f64, Vec<Rgb>) {
     let count = cells.len() as f64;
     let both = || cells.iter().zip(others);
@@ -40,12 +39,10 @@ pub fn distance(cells: &[Rgb], others: &[Rgb]) -> (f64, Vec<Rgb>) {
     (sum / count, gradient.collect())
 }
 
-/// The nearest of some colours, the first of equals.
+/// Returns the nearest of some colours, the first of equals.
 pub fn nearest(cell: Rgb, colours: &[Rgb]) -> Option<Rgb> {
-    colours
-        .iter()
-        .copied()
-        .min_by(|a, b| squared(cell, *a).total_cmp(&squared(cell, *b)))
+    let colours = colours.iter().copied();
+    colours.min_by(|a, b| squared(cell, *a).total_cmp(&squared(cell, *b)))
 }
 
 fn squared(a: Rgb, b: Rgb) -> f64 {

@@ -1,12 +1,11 @@
-//! The cells as a printer makes them, and the derivative of that: the pattern is then moved for what comes out of the printer, not for what is
-//! asked of it.
+//! The colours that a printer makes of the cells, and their derivatives: the pattern is optimised for what comes out of the printer.
 
 use serde::{Serialize, Serializer};
 
-use super::Rgb;
+use super::cells::Rgb;
 use scaleproof_surface::pattern::gamut::Gamut;
 
-/// Half a step of 8 bits: the map is linear in CIELAB over far larger ones.
+/// Step of the finite differences, half a step of 8 bits: the map is linear in CIELAB over far larger ones.
 const STEP: f64 = 0.5 / 255.0;
 
 /// A printer's measured map from requested to printed colours; `pattern check` predicts by the same.
@@ -22,12 +21,12 @@ impl PrinterMap {
         Self { gamut, sha256 }
     }
 
-    /// What comes out for each requested cell; sRGB of 0 to 1, as the cells.
+    /// Returns the printed colour of each requested cell; sRGB of 0 to 1, as the cells.
     pub fn printed(&self, cells: &[Rgb]) -> Vec<Rgb> {
         cells.iter().map(|cell| self.printed_cell(*cell)).collect()
     }
 
-    /// From the derivative with respect to what comes out to that with respect to what is requested.
+    /// Converts the gradient with respect to printed colours to that with respect to requested ones.
     pub fn vjp(&self, cells: &[Rgb], gradient: &[Rgb]) -> Vec<Rgb> {
         let of_cell = |(cell, gradient): (&Rgb, &Rgb)| {
             std::array::from_fn(|channel| {

@@ -1,25 +1,25 @@
 //! An image made larger or smaller about its middle and moved, as a linear map, forward and transposed.
 
-use super::Rgb;
+use super::cells::Rgb;
 use scaleproof_gradients::separable::{Separable, Tap};
 
-/// What surrounds an image that was made smaller: the grey that detectors pad with.
+/// Border of an image that was made smaller: the grey that detectors pad with.
 pub const AROUND: f64 = 114.0 / 255.0;
 
-/// A separable map of an image to one of the same size, with a triangle kernel as wide as it takes not to alias. Its transpose is that of the map
+/// Separable map of an image to one of the same size, with a triangle kernel as wide as it takes not to alias. Its transpose is that of the map
 /// in it: what surrounds the image is constant.
 #[derive(Debug, Clone)]
 pub struct Resample(pub Separable);
 
 impl Resample {
-    /// `scale` above 1 enlarges; `offset_px` moves right and down.
+    /// Creates the map; `scale` above 1 enlarges, `offset_px` moves right and down.
     pub fn new(size_px: [u32; 2], scale: f64, offset_px: [f64; 2]) -> Self {
         let size = size_px.map(|side| side as usize);
         let [columns, rows] = [0, 1].map(|axis| taps(size[axis], scale, offset_px[axis]));
         Self(Separable::new(size, columns, rows))
     }
 
-    /// The image, made larger or smaller and moved.
+    /// Resizes and moves an image.
     pub fn forward(&self, image: &[Rgb]) -> Vec<Rgb> {
         let from_grey: Vec<Rgb> = image.iter().map(|rgb| rgb.map(|v| v - AROUND)).collect();
         let mut augmented = self.0.forward(&from_grey);

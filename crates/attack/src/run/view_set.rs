@@ -7,8 +7,10 @@ use rand_pcg::Pcg32;
 use serde::Serialize;
 
 use super::augmentation::{Augmentation, AugmentedImage, Eot, rolled};
-use super::{Rgb, RunError};
+use super::cells::Rgb;
+use crate::AttackError;
 use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::message::{Message, message};
 use scaleproof_core::workers;
 use scaleproof_frames::surrogate::projection::world::{self, Misplacement};
 use scaleproof_frames::surrogate::projection::{Grid, Projection, repeated};
@@ -17,13 +19,14 @@ use scaleproof_frames::{Coverage, Frame, FrameList, FrameSet, light, outline, vi
 use scaleproof_gradients::{WhiteBox, WhiteBoxError};
 use scaleproof_surface::pattern::world_aligned::Side;
 
-/// Every so many views one is held out, beginning with [`FIRST_HELD_OUT`], and of 24 views or more at least [`ENOUGH_HELD_OUT`]; fewer views than that are all trained on.
+/// Every Nth view is held out, beginning with [`FIRST_HELD_OUT`], and of 24 views or more at least [`ENOUGH_HELD_OUT`]; fewer views than N are all
+/// trained on.
 const HELD_OUT_EVERY: usize = 6;
 const FIRST_HELD_OUT: usize = 3;
 /// The figures of fewer held-out views say little.
 pub const ENOUGH_HELD_OUT: usize = 12;
 
-/// How the pattern is mapped onto the model.
+/// Mapping of the pattern onto the model.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TextureMapping {
@@ -37,15 +40,16 @@ pub enum TextureMapping {
 }
 
 impl TextureMapping {
-    /// All three, the default first.
+    /// All mappings, the default first.
     pub const ALL: [Self; 3] = [Self::World, Self::Sides, Self::Repeated];
 
-    /// Its name in files and options.
+    /// Returns the name in files and options.
     pub fn name(self) -> &'static str {
         ["world", "sides", "repeated"][self as usize]
     }
 
-    /// Columns and rows of a pattern of so many cells a side: the sides' patterns lie below each other, in the order left, right, roof, front, rear, bottom.
+    /// Returns columns and rows of a pattern with `cells` along a side: the sides' patterns lie below each other, in the order left, right, roof, front,
+    /// rear, bottom.
     pub fn grid(self, cells: u32) -> [u32; 2] {
         match self {
             Self::Sides => [cells, Side::ALL.len() as u32 * cells],
@@ -53,7 +57,7 @@ impl TextureMapping {
         }
     }
 
-    /// The usual augmentation, with the shift and size of the texture where this mapping leaves them open.
+    /// Returns the usual augmentation, with the shift and size of the texture where this mapping leaves them open.
     pub fn usual_eot(self) -> Eot {
         match self {
             Self::World | Self::Sides => Eot::USUAL,
@@ -71,11 +75,11 @@ impl TextureMapping {
 pub struct SurrogateView {
     /// The first frame of the view: its pose, light and masks.
     pub frame: Frame,
-    /// Which of the frame lists it is of.
+    /// Index of its frame list.
     list: usize,
     /// Around the object's mask, corner to corner of the image's pixels.
     pub outline: BoxPx,
-    /// How much of each pixel the object covers, 0 to 1.
+    /// Share of each pixel that the object covers, 0 to 1.
     object: Vec<f32>,
     /// The fitted renderers, the default form first.
     renderers: Vec<PerPixel>,
@@ -89,15 +93,15 @@ enum Place {
     Repeated(Coverage),
 }
 
-/// The number of misplaced patterns of a view besides the true one, where the augmentation misplaces patterns.
+/// Misplaced patterns of a view besides the true one, where the augmentation misplaces patterns.
 const MISPLACED: usize = 3;
 
-/// One of a choice, by a share of it.
+/// Picks one of a choice, by a share (0 to 1) of it.
 fn picked<T>(choice: &[T], share: f64) -> &T {
     &choice[((share * choice.len() as f64) as usize).min(choice.len() - 1)]
 }
 
-/// All views, and which are held out.
+/// Views of an attack, some of them held out.
 #[derive(Debug)]
 pub struct ViewSet {
     /// The frames that the views are of: a list for each car or render.
@@ -110,7 +114,7 @@ pub struct ViewSet {
     pub unseen: usize,
 }
 
-/// A view with the pattern on it, augmented; its vector–Jacobian product leads back to the cells.
+/// Augmented image of a view with the pattern on the model, and its vector–Jacobian product.
 pub struct TexturedView<'a> {
     view: &'a SurrogateView,
     renderer: &'a PerPixel,
@@ -118,40 +122,36 @@ pub struct TexturedView<'a> {
     columns: usize,
     shift_tiles: [f64; 2],
     paint: Vec<Rgb>,
-    /// Outside the object another image is seen.
+    /// True when the background is of another view.
     has_other_background: bool,
     pub augmented: AugmentedImage,
-    /// Where the model is in the augmented image.
+    /// Box of the model in the augmented image.
     pub outline: BoxPx,
 }
 
 impl ViewSet {
-    /// Fits the default surrogate renderer to the flat colours of every view, and prepares what `eot` will draw from: the
-    /// other closed forms, and misplaced patterns. `on_view` is called after each, from any thread.
-    ///
-    /// # Errors
-    /// Too few flat colours, no positions for the world-aligned mapping, images that cannot be read, no view with the
-    /// model in it.
+    /// Fits the default surrogate renderer to the flat colours of every view, and prepares what `eot` will draw from: the other closed forms, and
+    /// misplaced patterns. Views without the model are left out. `on_view` is called after each, from any thread.
     pub fn open(
         sets: &[FrameSet],
         grid: Grid,
-        (mapping, eot): (TextureMapping, &Eot),
+        mapping: TextureMapping,
+        eot: &Eot,
         on_view: impl Fn() + Sync,
-    ) -> Result<Self, RunError> {
+    ) -> Result<Self, AttackError> {
         let of_set = |list: usize| {
-            views(&sets[list].list.frames)
-                .into_iter()
-                .map(move |frames| (list, frames))
+            let views = views(&sets[list].list.frames).into_iter();
+            views.map(move |frames| (list, frames))
         };
         let all: Vec<_> = (0..sets.len()).flat_map(of_set).enumerate().collect();
         let load = |(): &mut (), (view, (list, frames)): &(usize, (usize, Vec<&Frame>))| {
-            load((*list, &sets[*list]), (*view, frames), &grid, (mapping, eot))
+            load(*list, &sets[*list], *view, frames, &grid, mapping, eot)
         };
         let loaded = workers::map(&all, || Ok(()), load, on_view)?;
         let count = loaded.len();
         let views: Vec<SurrogateView> = loaded.into_iter().flatten().collect();
         if views.is_empty() {
-            return Err(RunError::NothingSeen);
+            return Err(AttackError::NothingSeen);
         }
         Ok(Self {
             lists: sets.iter().map(|set| set.list.clone()).collect(),
@@ -161,18 +161,18 @@ impl ViewSet {
         })
     }
 
-    /// Views to train on.
+    /// Lists the views to train on.
     pub fn trained(&self) -> Vec<usize> {
         (0..self.views.len()).filter(|i| !self.is_held_out(*i)).collect()
     }
 
-    /// Views to judge by: those held out, or all where they are too few to hold any out.
+    /// Lists the views to judge by: those held out, or all where they are too few to hold any out.
     pub fn judged(&self) -> Vec<usize> {
         let is_judged = |i: &usize| !self.holds_out() || self.is_held_out(*i);
         (0..self.views.len()).filter(is_judged).collect()
     }
 
-    /// Whether some views are held out of the optimisation.
+    /// Returns true when some views are held out of the optimisation.
     pub fn holds_out(&self) -> bool {
         self.views.len() >= HELD_OUT_EVERY
     }
@@ -185,17 +185,17 @@ impl ViewSet {
         self.holds_out() && view % every == FIRST_HELD_OUT % every
     }
 
-    /// Which of the frame sets a view is of.
+    /// Returns the index of a view's frame set.
     pub fn set_of(&self, view: usize) -> usize {
         self.views[view].list
     }
 
-    /// Width and height of a view's image, px.
+    /// Returns width and height of a view's image, px.
     pub fn size_px(&self, view: usize) -> [u32; 2] {
         self.lists[self.views[view].list].size_px
     }
 
-    /// A view with a pattern on. `cells`: sRGB, 0 to 1, row by row from the top.
+    /// Predicts a view with a pattern on the model, augmented. `cells`: sRGB, 0 to 1, row by row from the top.
     pub fn textured(&self, view: usize, cells: &[Rgb], draw: &Augmentation) -> TexturedView<'_> {
         let size_px = self.size_px(view);
         let view = &self.views[view];
@@ -248,32 +248,36 @@ impl ViewSet {
         true
     }
 
-    /// Why a detector could not look at a view.
-    pub(super) fn not_seen(&self, view: usize, detector: &dyn WhiteBox, reason: WhiteBoxError) -> RunError {
-        RunError::ForwardPass {
-            detector: detector.name().to_owned(),
-            view: self.views[view].frame.name.clone(),
-            reason: Box::new(reason),
-        }
+    /// Creates the error of a detector that could not look at a view.
+    pub(super) fn forward_pass_failed(
+        &self,
+        view: usize,
+        detector: &dyn WhiteBox,
+        reason: WhiteBoxError,
+    ) -> AttackError {
+        let (detector, view) = (detector.name(), &self.views[view].frame.name);
+        message!("{detector} cannot look at the view of {view}: {reason}")
+            .caused_by(reason)
+            .into()
     }
 
-    /// What a detector says of a view is not a number.
-    pub(super) fn not_a_number(&self, view: usize, detector: &dyn WhiteBox, step: u32) -> RunError {
-        RunError::NotANumber {
+    /// Creates the error of a detector's answer that is not a number.
+    pub(super) fn not_a_number(&self, view: usize, detector: &dyn WhiteBox, step: u32) -> AttackError {
+        AttackError::NotANumber {
             detector: detector.name().to_owned(),
             view: self.views[view].frame.name.clone(),
             step,
         }
     }
 
-    /// A view in any paint (linear reflectance of each pixel), as it is.
+    /// Predicts a view in any paint (linear reflectance of each pixel), without augmentation.
     pub fn painted(&self, view: usize, paint: &[Rgb]) -> Vec<Rgb> {
         self.views[view].renderers[0].predict(paint)
     }
 }
 
 impl TexturedView<'_> {
-    /// From the derivative with respect to the augmented image to that with respect to the cells of its texture.
+    /// Converts the gradient with respect to the augmented image to that with respect to the cells of its texture.
     pub fn vjp(&self, gradient: Vec<Rgb>, cells: &[Rgb]) -> Vec<Rgb> {
         let mut gradient = self.augmented.vjp(gradient);
         if self.has_other_background {
@@ -293,13 +297,25 @@ impl TexturedView<'_> {
     }
 }
 
-/// `None` for a view in which the model or its paint is not seen.
+/// Creates the error of a frame without positions.
+pub(crate) fn no_positions(frame: &Frame) -> Message {
+    message!(
+        "{} does not say where its paint is on the model: make the frames with attack render, or repeat the pattern over a plane that faces the camera",
+        frame.name
+    )
+    .hint("‹laying› repeated repeats it so")
+}
+
+/// Reads a view; `None` for one in which the model or its paint is not seen.
 fn load(
-    (list, set): (usize, &FrameSet),
-    (view, frames): (usize, &[&Frame]),
+    list: usize,
+    set: &FrameSet,
+    view: usize,
+    frames: &[&Frame],
     grid: &Grid,
-    (mapping, eot): (TextureMapping, &Eot),
-) -> Result<Option<SurrogateView>, RunError> {
+    mapping: TextureMapping,
+    eot: &Eot,
+) -> Result<Option<SurrogateView>, AttackError> {
     let frame = frames[0];
     let mask = set.paint_mask(frame)?;
     let object = set.object_mask(frame)?;
@@ -311,9 +327,9 @@ fn load(
     }
     let flats = frames.iter().map(|frame| FlatImage::read(set, frame));
     let flats: Vec<FlatImage> = flats.filter_map(Result::transpose).collect::<Result<_, _>>()?;
-    let (name, default) = (|| frame.name.clone(), ClosedForm::default());
-    let fitted = PerPixel::fit(default, &flats);
-    let mut renderers = vec![fitted.map_err(|reason| RunError::Fit { view: name(), reason })?];
+    let default = ClosedForm::default();
+    let failed = |reason| message!("the view of {}: {reason}", frame.name).caused_by(reason);
+    let mut renderers = vec![PerPixel::fit(default, &flats).map_err(failed)?];
     if eot.any_renderer {
         let others = ClosedForm::ALL.into_iter().filter(|form| *form != default);
         renderers.extend(others.filter_map(|form| PerPixel::fit(form, &flats).ok()));
@@ -329,7 +345,7 @@ fn load(
                 places.extend((0..MISPLACED).map(|_| eot.misplaced(&mut rng)));
             }
             let projections = world::project(set, frame, grid, of_sides, &places)?;
-            Place::World(projections.ok_or_else(|| RunError::NoPositions { view: name() })?)
+            Place::World(projections.ok_or_else(|| no_positions(frame))?)
         }
     };
     // The outline counts from the middle of the first pixel.

@@ -1,8 +1,8 @@
-//! How much each detector counts: alike, or the more the better it still sees the model.
+//! The weight of each detector: alike, or the greater the better it still sees the model.
 
 use serde::{Deserialize, Serialize};
 
-/// What is made small of the losses of several detectors.
+/// Objective of several detectors' losses.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Against {
@@ -15,7 +15,7 @@ pub enum Against {
 }
 
 impl Against {
-    /// Both, the default first.
+    /// Both objectives, the default first.
     pub const ALL: [Self; 2] = [Self::Mean, Self::Worst];
 
     pub fn name(self) -> &'static str {
@@ -23,13 +23,13 @@ impl Against {
     }
 }
 
-/// The share of the last step in a running mean of the losses.
+/// Share of the last step in a running mean of the losses.
 const NEWEST: f64 = 0.1;
 
-/// Losses that differ by so much get weights that differ by the factor e. Losses go up to some 10 (`ln(odds / odds of the floor)`).
+/// Difference of losses whose weights differ by the factor e. Losses go up to some 10 (`ln(odds / odds of the floor)`).
 pub const TEMPERATURE: f64 = 0.5;
 
-/// The mean losses of the last steps.
+/// Running means of the losses, and weights by them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DetectorWeights {
     losses: Vec<f64>,
@@ -44,7 +44,7 @@ impl DetectorWeights {
         }
     }
 
-    /// The weights of a step; their mean is 1.
+    /// Returns the weights of a step; their mean is 1.
     pub fn weights(&self, against: Against) -> Vec<f64> {
         let highest = self.losses.iter().copied().fold(0.0, f64::max);
         let raw: Vec<f64> = match against {

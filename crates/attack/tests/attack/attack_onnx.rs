@@ -37,7 +37,7 @@ fn outputs_are_those_of_onnx_runtime() {
         let (bytes, manifest) = (std::fs::read(path).unwrap(), Manifest::named(name).unwrap());
         let shape = [1, 3, side, side];
         let started = Instant::now();
-        let network = OnnxNetwork::read(&bytes, file, &shape, Some([side as u32; 2])).unwrap();
+        let network = OnnxNetwork::<f32>::read(&bytes, file, &shape, Some([side as u32; 2])).unwrap();
         let opened = started.elapsed();
         let mut session = session(&bytes);
         let mut as_written = as_written(&bytes);
@@ -65,7 +65,7 @@ fn outputs_are_those_of_onnx_runtime() {
 
 fn opened(name: &str, file: &str, labels: &[usize]) -> (OnnxDetector, PathBuf) {
     let path = shared(&format!("detectors/{file}"));
-    let detector = OnnxDetector::open(&Manifest::named(name).unwrap(), &path, labels).unwrap();
+    let detector = OnnxDetector::<f32>::open(&Manifest::named(name).unwrap(), &path, labels).unwrap();
     (detector, path)
 }
 
@@ -102,7 +102,7 @@ fn outputs_of_other_lineages_are_those_of_onnx_runtime() {
         let bytes = std::fs::read(path).unwrap();
         let [width, height] = manifest.input.size_px.map(|side| side as usize);
         let shape = [1, 3, height, width];
-        let network = OnnxNetwork::read(&bytes, &manifest.name, &shape, None).unwrap();
+        let network = OnnxNetwork::<f32>::read(&bytes, &manifest.name, &shape, None).unwrap();
         let mut as_written = as_written(&bytes);
         let mut worst = 0.0_f32;
         for path in photos().iter().step_by(4) {
@@ -201,8 +201,8 @@ fn dot(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
 type Both = (OnnxDetector, OnnxDetector<f64>);
 
 fn both(manifest: &Manifest, path: &Path, labels: &[usize]) -> Both {
-    let exact = OnnxDetector::open_as(manifest, path, labels).unwrap();
-    (OnnxDetector::open(manifest, path, labels).unwrap(), exact)
+    let exact = OnnxDetector::open(manifest, path, labels).unwrap();
+    (OnnxDetector::<f32>::open(manifest, path, labels).unwrap(), exact)
 }
 
 /// By how much directional derivatives of the three best predictions' losses differ from central differences, relatively; the worst of some
@@ -329,7 +329,7 @@ fn the_same_seed_gives_the_same_pattern_on_any_number_of_threads() {
         cell_mm: 30.0,
     };
     let frames = FrameSet::open(&home().join("captures/skyline_attack")).unwrap();
-    let view_set = ViewSet::open(&[frames], grid, (TextureMapping::World, &Eot::NONE), || {}).unwrap();
+    let view_set = ViewSet::open(&[frames], grid, TextureMapping::World, &Eot::NONE, || {}).unwrap();
     let (detector, _) = opened("fastestdet", "FastestDet.onnx", &[CAR]);
     let detectors: Vec<Box<dyn WhiteBox>> = vec![Box::new(detector)];
     let config = AttackConfig {
@@ -369,7 +369,7 @@ fn time_of_one_step() {
         let car = manifest.labels.find("car").unwrap();
         (
             manifest.name.clone(),
-            OnnxDetector::open(&manifest, &path, &[car]).unwrap(),
+            OnnxDetector::<f32>::open(&manifest, &path, &[car]).unwrap(),
         )
     });
     for (name, detector) in known.into_iter().chain(others) {
@@ -783,6 +783,10 @@ fn rearrangements() -> Vec<Small> {
             vec![constant, step(operator, &["x", "n"], &["y"], &[])],
         )
     };
+    let blocks = |operator: &'static str, shape: &[usize], mode: &[Vec<u8>]| {
+        let attributes = [&[whole("blocksize", 2)], mode].concat();
+        small(operator, shape, vec![step(operator, &["x"], &["y"], &attributes)])
+    };
     // The shape of the image, computed with: rows · columns as the new last side.
     let calculated = [
         step("Shape", &["x"], &["s"], &[]),
@@ -823,6 +827,9 @@ fn rearrangements() -> Vec<Small> {
         small("Split in halves, Concat", &shape, halves.into()),
         small("Split by sizes", &shape, split.into()),
         small("Shape arithmetic", &shape, calculated.into()),
+        blocks("DepthToSpace", &[1, 8, 2, 3], &[]),
+        blocks("DepthToSpace", &[2, 12, 2, 3], &[onnx::text_attribute("mode", "CRD")]),
+        blocks("SpaceToDepth", &[1, 2, 4, 6], &[]),
     ]
 }
 
@@ -903,7 +910,7 @@ fn choices() -> Vec<Small> {
     let product = |name, parts: [Vec<u8>; 2]| small(name, &shape, parts.into());
     let vectors = constant("v", &[4], &[0.5, -1.0, 2.0, 0.25]);
     let rows = constant("v", &[3], &[0.5, -1.0, 2.0]);
-    vec![
+    let mut found = vec![
         // Before opset 13 all axes from there on are one.
         Small {
             name: "Softmax, opset 11",
@@ -921,6 +928,71 @@ fn choices() -> Vec<Small> {
             opset: 17,
             ..small("LayerNormalization", &shape, norm.into())
         },
+    ];
+    found.extend(extremes());
+    found
+}
+
+/// What is made of the index of the largest or smallest number: itself looked up, compared, or as a place in a batch.
+fn extremes() -> Vec<Small> {
+    use onnx::{step, whole_attribute as whole, whole_constant};
+    let shape = [1, 2, 3, 4];
+    let largest = [
+        step("ArgMax", &["x"], &["where"], &[whole("axis", 3)]),
+        step("GatherElements", &["x", "where"], &["y"], &[whole("axis", 3)]),
+    ];
+    let smallest = [
+        whole_constant("axes", &[1], &[1]),
+        step("ArgMin", &["x"], &["flat"], &[whole("axis", 1), whole("keepdims", 0)]),
+        step("Unsqueeze", &["flat", "axes"], &["where"], &[]),
+        step("GatherElements", &["x", "where"], &["y"], &[whole("axis", 1)]),
+    ];
+    let compared = |operator: &'static str| {
+        let parts = [
+            whole_constant("one", &[], &[1]),
+            step("ArgMax", &["x"], &["where"], &[whole("axis", 2)]),
+            step(operator, &["where", "one"], &["is"], &[]),
+            step("Cast", &["is"], &["mask"], &[whole("to", 1)]),
+            step("Mul", &["x", "mask"], &["y"], &[]),
+        ];
+        small(operator, &shape, parts.into())
+    };
+    // Rows of a batch that depend on the image, and numbers of its rows.
+    let of_batch = |name, axis: i64, order: &[i64], batch_dims: i64| {
+        let parts = [
+            whole_constant("batch", &[3], &[2, 3, 4]),
+            step("Reshape", &["x", "batch"], &["rows"], &[]),
+            step("ArgMax", &["rows"], &["best"], &[whole("axis", axis)]),
+            step(
+                "Transpose",
+                &["best"],
+                &["where"],
+                &[onnx::list_attribute("perm", order)],
+            ),
+            step(
+                "GatherND",
+                &["rows", "where"],
+                &["y"],
+                &[whole("batch_dims", batch_dims)],
+            ),
+        ];
+        small(name, &shape, parts.into())
+    };
+    let pairs = [
+        whole_constant("batch", &[3], &[2, 3, 4]),
+        whole_constant("places", &[2, 3, 2], &[0, 1, 2, 3, -1, 0, 1, 1, 0, 0, 2, -2]),
+        step("Reshape", &["x", "batch"], &["rows"], &[]),
+        step("GatherND", &["rows", "places"], &["y"], &[whole("batch_dims", 1)]),
+    ];
+    vec![
+        small("ArgMax", &shape, largest.into()),
+        small("ArgMin without its axis", &shape, smallest.into()),
+        compared("Greater"),
+        compared("Less"),
+        compared("Equal"),
+        of_batch("GatherND of a batch, rows", 1, &[0, 2, 1], 1),
+        of_batch("GatherND of two axes of a batch", 2, &[0, 1, 2], 2),
+        small("GatherND of a batch, pairs", &shape, pairs.into()),
     ]
 }
 
@@ -937,8 +1009,8 @@ fn every_operator_answers_and_derives_as_it_should() {
     ];
     for net in nets.into_iter().flatten() {
         let bytes = net.bytes();
-        let network =
-            OnnxNetwork::read(&bytes, net.name, &net.shape, None).unwrap_or_else(|e| panic!("{}: {e}", net.name));
+        let network = OnnxNetwork::<f32>::read(&bytes, net.name, &net.shape, None)
+            .unwrap_or_else(|e| panic!("{}: {e}", net.name));
         let mut session = session(&bytes);
         let x = spread(net.shape.iter().product(), 21);
         let theirs = by_onnx_runtime(&mut session, &net.shape, &x);
@@ -1174,7 +1246,7 @@ fn networks_that_end_as_the_families_do_are_followed() {
         let all: Vec<usize> = (0..manifest.labels.count())
             .filter(|l| manifest.labels.name(*l).is_some())
             .collect();
-        let detector = OnnxDetector::open(&manifest, &path, &all).unwrap();
+        let detector = OnnxDetector::<f32>::open(&manifest, &path, &all).unwrap();
         let predictions = detector.predictions(&picture, size).unwrap();
         // Scoring keeps boxes to a hundredth of a pixel, and none that is thinner.
         let solid = predictions
@@ -1220,7 +1292,7 @@ fn exported_networks_are_followed() {
             .manifest;
         let (bytes, [width, height]) = (std::fs::read(&path).unwrap(), manifest.input.size_px);
         let shape = [1, 3, height as usize, width as usize];
-        let network = OnnxNetwork::read(&bytes, name, &shape, None).unwrap();
+        let network = OnnxNetwork::<f32>::read(&bytes, name, &shape, None).unwrap();
         let numbers = numbers(&photo, &manifest);
         let theirs = by_onnx_runtime(&mut as_written(&bytes), &shape, &numbers);
         let worst = worst_difference(&by_network(&network, &numbers), &theirs);
@@ -1237,7 +1309,7 @@ fn a_saturated_confidence_has_a_finite_loss_and_a_gradient() {
     let path = folder.path().join("one_box.onnx");
     for bias in [-80.0_f32, 0.0, 8.0, 16.5, 17.5, 40.0, 200.0, 600.0] {
         std::fs::write(&path, one_box(bias)).unwrap();
-        let detector = OnnxDetector::open(&one_box_manifest(), &path, &[2, 5, 7]).unwrap();
+        let detector = OnnxDetector::<f32>::open(&one_box_manifest(), &path, &[2, 5, 7]).unwrap();
         let picture = vec![[0.25; 3]; 64 * 64];
         let look = detector.forward(&picture, [64, 64]).unwrap();
         let prediction = look.predictions()[0];
@@ -1284,7 +1356,7 @@ fn damaged_files_are_refused_in_a_sentence_or_read() {
                 }
             }
             all += 1;
-            if let Err(e) = OnnxNetwork::read(&bytes, "damaged.onnx", &net.shape, None) {
+            if let Err(e) = OnnxNetwork::<f32>::read(&bytes, "damaged.onnx", &net.shape, None) {
                 refused += 1;
                 let sentence = e.to_string();
                 assert!(
@@ -1345,7 +1417,7 @@ fn tensors_without_bound_are_refused_before_they_are_made() {
     ];
     for (i, parts) in nets.into_iter().enumerate() {
         let bytes = onnx::graph(&onnx::Input::floats("x", &[1, 3, 32, 32]), &parts, &["y"], 13);
-        let error = OnnxNetwork::read(&bytes, "huge.onnx", &[1, 3, 32, 32], None).err();
+        let error = OnnxNetwork::<f32>::read(&bytes, "huge.onnx", &[1, 3, 32, 32], None).err();
         let error = error.unwrap_or_else(|| panic!("network {i} is taken")).to_string();
         println!("{i}: {error}");
         assert_eq!(error.lines().count(), 1, "{i}: {error}");
@@ -1365,7 +1437,7 @@ fn what_cannot_be_followed_is_refused_in_a_sentence() {
     let path = folder.path().join("net.onnx");
     let refusal = |bytes: &[u8], manifest: &Manifest, labels: &[usize]| {
         std::fs::write(&path, bytes).unwrap();
-        let error = OnnxDetector::open(manifest, &path, labels)
+        let error = OnnxDetector::<f32>::open(manifest, &path, labels)
             .err()
             .expect("refused")
             .to_string();

@@ -14,7 +14,7 @@ fn outputs_in_64_bits_are_those_of_onnx_runtime() {
         let path = common::shared(&format!("detectors/{file}"));
         let (bytes, manifest) = (std::fs::read(path).unwrap(), Manifest::named(name).unwrap());
         let shape = [1, 3, side, side];
-        let network = OnnxNetwork::<f64>::read_as(&bytes, file, &shape, Some([side as u32; 2])).unwrap();
+        let network = OnnxNetwork::<f64>::read(&bytes, file, &shape, Some([side as u32; 2])).unwrap();
         let mut sessions = [session(&bytes), as_written(&bytes)];
         let photos = photos();
         assert_eq!(photos.len(), 20);

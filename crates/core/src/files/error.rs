@@ -9,6 +9,12 @@ use crate::message::{Message, message};
 #[error(transparent)]
 pub struct FileError(#[from] Message);
 
+impl From<FileError> for Message {
+    fn from(error: FileError) -> Message {
+        error.0
+    }
+}
+
 impl FileError {
     pub fn content(path: &Path, message: impl ToString) -> FileError {
         message!("{}: {}", path.display(), message.to_string()).into()

@@ -2,48 +2,32 @@
 //!
 //! Source: the Darknet repositories of Joseph Redmon and Alexey Bochkovskiy (`parser.c`, `yolo_layer.c`); held against OpenCV's importer.
 
-mod cfg;
-mod layers;
-mod weights;
+mod cfg; // sections and settings
+mod layers; // layers as ONNX nodes
+mod weights; // trained numbers
 
 use std::path::Path;
 
 use cfg::Section;
 use layers::Converter;
 use scaleproof_core::files;
+use scaleproof_core::message::{Message, message};
 use weights::Weights;
-
-#[derive(Debug, thiserror::Error)]
-pub enum DarknetError {
-    #[error(transparent)]
-    File(#[from] files::FileError),
-    #[error("{file}, line {line}: {fault}")]
-    Cfg { file: String, line: usize, fault: String },
-    #[error("{file}: {fault}")]
-    Weights { file: String, fault: String },
-}
 
 /// YOLOv4's configuration, one of the longest, has 12 kB.
 const MOST_CFG: u64 = 16 << 20;
 
 /// The bytes of an ONNX file that computes what Darknet computes from a configuration and its weights.
-pub fn darknet_to_onnx(cfg: &Path, weights: &Path) -> Result<Vec<u8>, DarknetError> {
+pub fn darknet_to_onnx(cfg: &Path, weights: &Path) -> Result<Vec<u8>, Message> {
     let (text, bytes) = (files::read_text_at_most(cfg, MOST_CFG)?, files::read(weights)?);
     let [cfg, weights] = [cfg, weights].map(|path| path.display().to_string());
     from_contents(&text, &cfg, &bytes, &weights)
 }
 
 /// [`darknet_to_onnx`] of what the two files hold; their names are only named in errors.
-pub fn from_contents(text: &str, cfg: &str, bytes: &[u8], weights: &str) -> Result<Vec<u8>, DarknetError> {
-    let in_cfg = |(line, fault): (usize, String)| DarknetError::Cfg {
-        file: cfg.to_owned(),
-        line,
-        fault,
-    };
-    let in_weights = |fault: String| DarknetError::Weights {
-        file: weights.to_owned(),
-        fault,
-    };
+pub fn from_contents(text: &str, cfg: &str, bytes: &[u8], weights: &str) -> Result<Vec<u8>, Message> {
+    let in_cfg = |(line, fault): (usize, String)| message!("{cfg}, line {line}: {fault}");
+    let in_weights = |fault: String| message!("{weights}: {fault}");
     let sections = Section::read(text).map_err(in_cfg)?;
     let (net, rest) = match sections.split_first() {
         Some((net, rest)) if ["net", "network"].contains(&net.kind.as_str()) => (net, rest),

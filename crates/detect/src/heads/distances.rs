@@ -1,42 +1,30 @@
 //! NanoDet: each side's distance is the mean of a softmax over bins, times the stride. Source: Li et al. 2020 (generalised focal loss) and
 //! the NanoDet repository.
 
-use super::{Anchor, Anchors, HeadError, Tensor, misfit};
+use super::anchor::{Anchor, Anchors};
+use super::error::misfit;
+use super::tensor::Tensor;
 use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::message::Message;
 
 /// Logits for each side of a box.
 pub(crate) const BINS: usize = 8;
 
-/// NanoDet: cells are centred at i·s + (s − 1)/2.
-pub(super) fn nanodet(
-    outputs: &[Tensor],
-    size: [u32; 2],
-    strides: &[u32],
-    labels: usize,
-) -> Result<Anchors, HeadError> {
-    by_stride("nanodet", outputs, size, strides, labels, -0.5)
-}
+/// Centres of NanoDet's cells, at i·s + (s − 1)/2, in input pixels from their middle.
+pub(super) const NANODET: f64 = -0.5;
+/// Centres of PicoDet's cells, in their middle. Source: `PicoHead` of PaddleDetection, whose `cell_offset` is 0.5 (Yu et al. 2021).
+pub(super) const PICODET: f64 = 0.0;
 
-/// PicoDet: cells are centred at (i + ½)·s. Source: `PicoHead` of PaddleDetection, whose `cell_offset` is 0.5 (Yu et al. 2021).
-pub(super) fn picodet(
-    outputs: &[Tensor],
-    size: [u32; 2],
-    strides: &[u32],
-    labels: usize,
-) -> Result<Anchors, HeadError> {
-    by_stride("picodet", outputs, size, strides, labels, 0.0)
-}
-
-/// Per stride n×labels sigmoid scores and n×(4·bins) box logits, picked by shape, with a batch axis or without; cells are centred at
-/// (i + ½)·s + `shift`, in input pixels.
-fn by_stride(
-    kind: &'static str,
+/// NanoDet and PicoDet: per stride n×labels sigmoid scores and n×(4·bins) box logits, picked by shape, with a batch axis or without; cells are
+/// centred at (i + ½)·s + `shift`, in input pixels.
+pub(super) fn by_stride(
+    kind: &str,
     outputs: &[Tensor],
     size: [u32; 2],
     strides: &[u32],
     labels: usize,
     shift: f64,
-) -> Result<Anchors, HeadError> {
+) -> Result<Anchors, Message> {
     if labels == 4 * BINS {
         // Scores and sides have the same shape then.
         let expected = format!("tables of other than {labels} columns for the labels");

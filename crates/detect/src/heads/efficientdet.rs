@@ -4,9 +4,12 @@
 //! Nine anchors a cell at strides 8 to 128: sides of `anchor_scale` · stride · 2^(0, ⅓, ⅔), each as wide as high, 1.4 × 0.7 and 0.7 × 1.4; centre = anchor's centre
 //! + offset · anchor's side, side = exp(offset) · anchor's side. Source: Tan et al. 2020, and `anchors.py` of google/automl's EfficientDet.
 
-use super::{Anchor, Anchors, HeadError, Tensor, centred, misfit};
+use super::anchor::{Anchor, Anchors, centred};
+use super::error::misfit;
+use super::tensor::Tensor;
 use crate::manifest::{EfficientdetHead, Scores};
 use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::message::Message;
 
 const STRIDES: [u32; 5] = [8, 16, 32, 64, 128];
 
@@ -25,7 +28,7 @@ pub(super) fn anchors(
     size: [u32; 2],
     head: EfficientdetHead,
     labels: usize,
-) -> Result<Anchors, HeadError> {
+) -> Result<Anchors, Message> {
     let found = match grids(outputs, size) {
         Some(grids) if grids.labels == labels || (grids.labels, labels) == (90, 91) => {
             of_grids(outputs, size, head, &grids)
@@ -112,7 +115,7 @@ fn moved([cx, cy, w, h]: [f32; 4], o: [f32; 4]) -> BoxPx {
     centred([cx + o[1] * w, cy + o[0] * h, o[3].exp() * w, o[2].exp() * h])
 }
 
-fn of_tables(outputs: &[Tensor], size: [u32; 2], head: EfficientdetHead, labels: usize) -> Result<Found, HeadError> {
+fn of_tables(outputs: &[Tensor], size: [u32; 2], head: EfficientdetHead, labels: usize) -> Result<Found, Message> {
     let rows = count(size);
     let find = || {
         let is_table = |t: &Tensor| !t.name.contains("anchor") && t.floats().is_some();

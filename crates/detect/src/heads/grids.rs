@@ -2,8 +2,11 @@
 
 use std::sync::LazyLock;
 
-use super::{Anchor, Anchors, HeadError, Tensor, centred, misfit, sigmoid};
+use super::anchor::{Anchor, Anchors, centred, sigmoid};
+use super::error::misfit;
+use super::tensor::Tensor;
 use crate::manifest::GridAnchors;
+use scaleproof_core::message::Message;
 
 fn grid(stride: u32, scale_xy: f32, anchors: &[[f32; 2]]) -> GridAnchors {
     let anchors = anchors.to_vec();
@@ -32,31 +35,31 @@ static YOLOV4: LazyLock<[GridAnchors; 3]> = LazyLock::new(|| {
     ]
 });
 
-/// Grids as Darknet computes them, all logits; score = σ(objectness) · σ(label). YOLOv3's three where none are named. Source: Redmon and
+/// YOLOv3: grids as Darknet computes them, all logits; score = σ(objectness) · σ(label). Its three where none are named. Source: Redmon and
 /// Farhadi 2018.
 pub(super) fn yolov3(
     outputs: &[Tensor],
     size: [u32; 2],
     labels: usize,
     grids: &[GridAnchors],
-) -> Result<Anchors, HeadError> {
+) -> Result<Anchors, Message> {
     let grids = if grids.is_empty() { &*YOLOV3 } else { grids };
     Ok(Anchors {
         are_logits: true,
-        ..Anchors::new(decoded(outputs, size, labels, "yolov3", grids)?)
+        ..decoded(outputs, size, labels, "yolov3", grids)?
     })
 }
 
-/// Grids of the ONNX zoo's YOLOv4, with objectness and labels already sigmoid; score = objectness · label. YOLOv4's three where none are named.
-/// Source: Bochkovskiy et al. 2020.
+/// YOLOv4 of the ONNX zoo: grids with objectness and labels already sigmoid; score = objectness · label. Its three where none are named. Source:
+/// Bochkovskiy et al. 2020.
 pub(super) fn yolov4(
     outputs: &[Tensor],
     size: [u32; 2],
     labels: usize,
     grids: &[GridAnchors],
-) -> Result<Anchors, HeadError> {
+) -> Result<Anchors, Message> {
     let grids = if grids.is_empty() { &*YOLOV4 } else { grids };
-    Ok(Anchors::new(decoded(outputs, size, labels, "yolov4", grids)?))
+    decoded(outputs, size, labels, "yolov4", grids)
 }
 
 /// Where the numbers of a grid's boxes lie: for n anchors and r numbers a box, 1×(n·r)×rows×columns as Darknet has them, 1×n×rows×columns×r,
@@ -95,9 +98,9 @@ fn decoded(
     outputs: &[Tensor],
     size: [u32; 2],
     labels: usize,
-    kind: &'static str,
+    kind: &str,
     grids: &[GridAnchors],
-) -> Result<Vec<Anchor>, HeadError> {
+) -> Result<Anchors, Message> {
     let row = 5 + labels;
     let mut found = Vec::new();
     for GridAnchors {
@@ -125,14 +128,14 @@ fn decoded(
             Anchor::new(b, output, Some(first + 4 * step), first + 5 * step, step)
         }));
     }
-    Ok(found)
+    Ok(Anchors::new(found))
 }
 
 /// FastestDet: one tensor 1×(1 + 4 + labels)×rows×columns.
 ///
 /// score = objectness^0.6 · label^0.4 (so not comparable with other detectors' scores); centre = cell + tanh(offset), size =
 /// sigmoid, both as a share of the input. Source: the FastestDet repository's `handle_preds`.
-pub(super) fn fastestdet(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Anchors, HeadError> {
+pub(super) fn fastestdet(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Anchors, Message> {
     let [columns, rows] = size.map(|side| (side / 16) as usize);
     let (output, data) = Tensor::shaped(outputs, |shape| shape == [1, 5 + labels, rows, columns])
         .ok_or_else(|| misfit("fastestdet", format!("1×{}×{rows}×{columns}", 5 + labels), outputs))?;

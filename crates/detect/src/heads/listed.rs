@@ -1,8 +1,12 @@
 //! Networks that list their boxes, already suppressed: n labels, n boxes, n scores.
 
-use super::{Anchor, Data, HeadError, SCORE_FLOOR, Tensor, from_corners, misfit};
+use super::anchor::{Anchor, from_corners};
+use super::error::{misfit, strange_label};
+use super::tensor::{Data, Tensor};
+use crate::SCORE_FLOOR;
 use crate::nms::CandidateBox;
 use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::message::Message;
 
 pub(super) struct Rows<'a> {
     labels: Vec<i64>,
@@ -23,7 +27,7 @@ pub(crate) const TENSORFLOW: [&str; 4] = [
 impl<'a> Rows<'a> {
     /// Picks the lists by type and size, in whatever order they come: whole-number labels n, boxes n×4, scores n. Other
     /// outputs (masks) are passed over.
-    pub(super) fn pick(outputs: &'a [Tensor], kind: &'static str, expected: &str) -> Result<Rows<'a>, HeadError> {
+    pub(super) fn pick(outputs: &'a [Tensor], kind: &str, expected: &str) -> Result<Rows<'a>, Message> {
         let find = || {
             let labels = outputs.iter().find_map(|t| match &t.data {
                 Data::I64(v) => Some(v.clone()),
@@ -48,7 +52,7 @@ impl<'a> Rows<'a> {
 
     /// Picks the lists of the TensorFlow Object Detection API by name, as classes and scores are alike in type and size; converters append
     /// `:0`. `named`: other names of the same four.
-    pub(super) fn of_tensorflow(outputs: &'a [Tensor], named: Option<&[String; 4]>) -> Result<Rows<'a>, HeadError> {
+    pub(super) fn of_tensorflow(outputs: &'a [Tensor], named: Option<&[String; 4]>) -> Result<Rows<'a>, Message> {
         let names = named.map_or(TENSORFLOW, |named| named.each_ref().map(String::as_str));
         let position = |which: usize| {
             let called = outputs.iter().position(|t| t.name == names[which]);
@@ -99,7 +103,7 @@ impl<'a> Rows<'a> {
         first_label: i64,
         labels: usize,
         to_input_px: impl Fn([f64; 4]) -> BoxPx,
-    ) -> Result<Vec<CandidateBox>, HeadError> {
+    ) -> Result<Vec<CandidateBox>, Message> {
         let rows = self.labels.iter().zip(self.boxes).zip(self.scores);
         // Rows of padding have any label, and no score.
         let rows = rows.filter(|(_, score)| f64::from(**score) >= SCORE_FLOOR);
@@ -123,10 +127,4 @@ fn whole(t: &Tensor) -> Vec<i64> {
             .map(|v| if v.is_finite() { v.round() as i64 } else { -1 })
             .collect(),
     }
-}
-
-/// The refusal of a label that the manifest does not have.
-pub(super) fn strange_label(label: impl std::fmt::Display, labels: usize) -> HeadError {
-    let label = label.to_string();
-    HeadError::StrangeLabel { label, labels }
 }

@@ -5,9 +5,12 @@
 //! follow from the input's size. Source: TensorFlow's Object Detection API, `multiple_grid_anchor_generator.py`, `multiscale_grid_anchor_generator.py`,
 //! `faster_rcnn_box_coder.py`.
 
-use super::{Anchor, Anchors, HeadError, Tensor, centred, misfit, scaled};
+use super::anchor::{Anchor, Anchors, centred, scaled};
+use super::error::misfit;
+use super::tensor::Tensor;
 use crate::manifest::{Scores, SsdBoxes, SsdHead};
 use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::message::Message;
 
 /// The outputs of a head with boxes and scores apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,7 +58,7 @@ pub(crate) fn has_room(columns: usize, labels: usize) -> bool {
     columns == labels || columns == labels + 1 || (columns, labels) == (90, 91)
 }
 
-pub(super) fn anchors(outputs: &[Tensor], size: [u32; 2], head: SsdHead, labels: usize) -> Result<Anchors, HeadError> {
+pub(super) fn anchors(outputs: &[Tensor], size: [u32; 2], head: SsdHead, labels: usize) -> Result<Anchors, Message> {
     let refused = || {
         let expected = format!("boxes 1×n×4 and scores 1×n×{labels} or 1×n×{}", labels + 1);
         misfit("ssd", expected, outputs)

@@ -1,9 +1,12 @@
 //! Heads that answer with one table, a row for each box, or a column for each.
 
+use super::anchor::{Anchor, Anchors, centred};
 use super::distances::{self, BINS};
-use super::{Anchor, Anchors, HeadError, Tensor, centred, misfit};
+use super::error::misfit;
+use super::tensor::Tensor;
 use crate::manifest::Unit;
 use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::message::Message;
 
 /// A table 1×n×`row`.
 struct Table<'a> {
@@ -14,12 +17,7 @@ struct Table<'a> {
 
 impl Table<'_> {
     /// The first table with rows of such a length, and so many of them where their number is known.
-    fn find<'a>(
-        outputs: &'a [Tensor],
-        kind: &'static str,
-        rows: Option<usize>,
-        row: usize,
-    ) -> Result<Table<'a>, HeadError> {
+    fn find<'a>(outputs: &'a [Tensor], kind: &str, rows: Option<usize>, row: usize) -> Result<Table<'a>, Message> {
         let fits = |shape: &[usize]| matches!(shape, [1, n, r] if *r == row && rows.is_none_or(|rows| rows == *n));
         let found = Tensor::shaped(outputs, fits).map(|(output, data)| Table { output, data, row });
         let rows = rows.map_or("n".to_owned(), |rows| rows.to_string());
@@ -51,7 +49,7 @@ fn cells(size: [u32; 2], strides: &[u32], per_side: fn(u32, u32) -> u32) -> Vec<
 ///
 /// centre = (output + cell) · stride, size = exp(output) · stride, score = objectness · label. Source: Ge et al. 2021 and
 /// `demo_postprocess` of the YOLOX repository.
-pub(super) fn yolox(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Anchors, HeadError> {
+pub(super) fn yolox(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Anchors, Message> {
     let cells = cells(size, &[8, 16, 32], |side, stride| side / stride);
     let table = Table::find(outputs, "yolox", Some(cells.len()), 5 + labels)?;
     Ok(table.anchors(5, true, |i, o| {
@@ -63,7 +61,7 @@ pub(super) fn yolox(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result
 /// YOLOv5, v6, v7, and YOLOX exported with its decoding, and Darknet's once decoded: 1×n×(5 + labels), centre and size, score = objectness · label.
 ///
 /// Older exports also give the three grids the table was made from. Source: the YOLOv5 repository's `non_max_suppression`.
-pub(super) fn yolov5(outputs: &[Tensor], size: [u32; 2], labels: usize, unit: Unit) -> Result<Anchors, HeadError> {
+pub(super) fn yolov5(outputs: &[Tensor], size: [u32; 2], labels: usize, unit: Unit) -> Result<Anchors, Message> {
     let table = Table::find(outputs, "yolov5", None, 5 + labels)?;
     let in_pixels = pixels(unit, size);
     Ok(table.anchors(5, true, |_, o| centred(in_pixels([o[0], o[1], o[2], o[3]]))))
@@ -84,7 +82,7 @@ pub(super) fn nanodet_plus(
     size: [u32; 2],
     strides: &[u32],
     labels: usize,
-) -> Result<Anchors, HeadError> {
+) -> Result<Anchors, Message> {
     let cells = cells(size, strides, u32::div_ceil);
     let table = Table::find(outputs, "nanodet_plus", Some(cells.len()), labels + 4 * BINS)?;
     Ok(table.anchors(0, false, |i, o| {
@@ -95,7 +93,7 @@ pub(super) fn nanodet_plus(
 
 /// RT-DETR as Ultralytics exports it: 1×n×(4 + labels): centre and size as shares of the input, then the labels' scores; no suppression
 /// needed. Source: Zhao et al. 2024 and the Ultralytics documentation.
-pub(super) fn rtdetr(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Anchors, HeadError> {
+pub(super) fn rtdetr(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Result<Anchors, Message> {
     let in_pixels = pixels(Unit::Shares, size);
     let table = Table::find(outputs, "rtdetr", None, 4 + labels)?;
     Ok(table.anchors(4, false, |_, o| centred(in_pixels([o[0], o[1], o[2], o[3]]))))
@@ -104,7 +102,7 @@ pub(super) fn rtdetr(outputs: &[Tensor], size: [u32; 2], labels: usize) -> Resul
 /// YOLOv8, v9, 11, 12: 1×(4 + labels)×n, a column for each box: centre and size, then the labels' scores; no objectness. Source: the
 /// Ultralytics documentation of its exports, whose TFLite ones give shares of the input instead of pixels. COCO's 90 category ids from 1 on, as SSDs
 /// have them, may be one fewer than the labels.
-pub(super) fn yolov8(outputs: &[Tensor], size: [u32; 2], labels: usize, unit: Unit) -> Result<Anchors, HeadError> {
+pub(super) fn yolov8(outputs: &[Tensor], size: [u32; 2], labels: usize, unit: Unit) -> Result<Anchors, Message> {
     let fits = |rows: usize| rows == 4 + labels || (rows, labels) == (94, 91);
     let (output, data) = Tensor::shaped(outputs, |shape| matches!(shape, [1, rows, _] if fits(*rows)))
         .ok_or_else(|| misfit("yolov8", format!("1×{}×n", 4 + labels), outputs))?;

@@ -3,16 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::wire::{Field, Fields};
+use scaleproof_core::message::Message;
 
-/// Why a file is not read, about the file as "it".
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{0}")]
-pub struct ModelFault(pub String);
+/// The error calls the file "it".
+type Result<T> = std::result::Result<T, Message>;
 
-type Result<T> = std::result::Result<T, ModelFault>;
-
-fn fault<T>(sentence: impl Into<String>) -> Result<T> {
-    Err(ModelFault(sentence.into()))
+fn fault<T>(sentence: impl Into<Message>) -> Result<T> {
+    Err(sentence.into())
 }
 
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -161,7 +158,7 @@ impl Node {
 }
 
 fn whole<T>(read: Option<T>) -> Result<T> {
-    read.ok_or_else(|| ModelFault("it is no whole ONNX file".to_owned()))
+    read.ok_or(Message::from("it is no whole ONNX file"))
 }
 
 /// All fields of a message.

@@ -5,10 +5,12 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use super::super::Labels;
-use super::{OutsideError, syntax};
+use super::error::OutsideError;
+use super::text::syntax;
+use crate::Labels;
 use scaleproof_core::coco::Category;
 use scaleproof_core::files::{self, FileError};
+use scaleproof_core::message::{Message, bail, message};
 
 /// The labels of some results, and which number means which.
 pub(super) struct Categories {
@@ -109,27 +111,27 @@ impl Categories {
         label.ok_or_else(|| format!("the class {class} is none of the {count} labels, which count from {first}"))
     }
 
-    pub(super) fn of_id(&self, id: u64, path: &Path) -> Result<usize, OutsideError> {
-        let unknown = || OutsideError::UnknownCategory {
-            path: path.to_owned(),
-            id,
-            known: self.whose.clone(),
+    pub(super) fn of_id(&self, id: u64, path: &Path) -> Result<usize, Message> {
+        let unknown = || {
+            message!("{}: the category {id} is none of {}", path.display(), self.whose).hint(
+                "say what its categories are called by ‹categories›, and with ‹first_label› 0 if they count from 0",
+            )
         };
         self.by_id.get(&id).copied().ok_or_else(unknown)
     }
 
     /// Refuses categories of an `images` file that are others than COCO's, where nothing says which the results mean.
-    pub(super) fn check_are_cocos(theirs: &[Category], images: &Path) -> Result<(), OutsideError> {
+    pub(super) fn check_are_cocos(theirs: &[Category], images: &Path) -> Result<(), Message> {
         let coco = Categories::default();
         for category in theirs {
             let name = coco.by_id.get(&category.id).and_then(|label| coco.labels.name(*label));
             if name != Some(category.name.as_str()) {
-                return Err(OutsideError::WhoseCategories {
-                    images: images.to_owned(),
-                    id: category.id,
-                    theirs: category.name.clone(),
-                    coco: name.map_or("none".into(), |name| format!("`{name}`")),
-                });
+                let (id, theirs, images) = (category.id, &category.name, images.display());
+                let coco = name.map_or("none".into(), |name| format!("`{name}`"));
+                bail!(
+                    "{images} calls the category {id} `{theirs}`, and in COCO it is {coco}: whose ids the results have is not clear";
+                    hint: "say by ‹categories›, which may be {images} too"
+                );
             }
         }
         Ok(())

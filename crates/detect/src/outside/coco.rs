@@ -6,12 +6,16 @@ use std::path::Path;
 
 use serde::Deserialize;
 
+use super::boxes::{PhotoBoxes, RawBox, ReadResults};
 use super::categories::Categories;
+use super::error::OutsideError;
 use super::photo_names::PhotoNames;
-use super::{OutsideError, PhotoBoxes, RawBox, ReadResults, ResultsRequest, hashed_text, syntax};
+use super::request::ResultsRequest;
+use super::text::{hashed_text, syntax};
 use scaleproof_core::coco::{Category, whole, whole_if_any};
 use scaleproof_core::files::FileError;
 use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::message::{Message, bail};
 
 /// A detection; other keys are passed over.
 #[derive(Deserialize)]
@@ -169,11 +173,10 @@ impl Photos<'_> {
         let mut photos = request.photos.iter().zip(&self.by_photo);
         match photos.find(|(_, boxes)| !boxes.is_listed) {
             None => Ok(hashed),
-            Some((photo, _)) => Err(OutsideError::NotListed {
-                images: images.to_owned(),
-                path: request.path.to_owned(),
-                file: photo.file.clone(),
-            }),
+            Some((photo, _)) => bail!(
+                "{} does not list the photo {}, so that {} says nothing of it", images.display(), photo.file, request.path.display();
+                hint: "run the other program on it too (see `scaleproof session export`)"
+            ),
         }
     }
 
@@ -187,17 +190,16 @@ impl Photos<'_> {
         let index = match (self.by_id.get(id), id) {
             (Some(index), _) => *index,
             (None, ImageId::Name(_)) if request.images.is_some() => {
-                let message =
-                    "the file of its images has none of this id: where ids are the photos' names, leave --images out";
-                return Err(refuse(message.into()).into());
+                let fault = Message::from(refuse("the file of its images has none of this id".into()));
+                return Err(fault.hint("where ids are the photos' names, leave ‹images› out").into());
             }
             (None, _) if request.images.is_some() => {
                 return Err(refuse("the file of its images has none of this id".into()).into());
             }
-            (None, ImageId::Number(id)) => {
-                let (path, id) = (request.path.to_owned(), *id);
-                return Err(OutsideError::NumberedImages { path, id });
-            }
+            (None, ImageId::Number(id)) => bail!(
+                "{} names its images by number ({id}), and nothing says which photos they are", request.path.display();
+                hint: "name the COCO file of its images by ‹images›"
+            ),
             (None, ImageId::Name(name)) => {
                 let index = names.find(name, name).map_err(refuse)?;
                 self.by_id.insert(id.clone(), index);

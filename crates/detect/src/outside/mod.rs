@@ -3,67 +3,29 @@
 //! Photos are found by the names of their files. What such files may leave open (whose category ids, which photo, which scale) is refused with
 //! a sentence, or said in a note; nothing is guessed.
 
-mod categories;
-mod coco;
-mod photo_names;
-mod yolo;
+mod boxes; // what a file says of a photo, as it stands there
+mod categories; // numbers of a file as labels
+mod coco; // COCO results lists
+mod error;
+mod photo_names; // names that other programs give photos
+mod request;
+mod text; // a file's text with its hash, and what is wrong with it
+mod yolo; // YOLO's text files
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::foreign::{check_score, placed, turned_hint};
 use super::{Detection, ForeignCard, ForeignKind, MAX_DETECTIONS, SCORE_FLOOR};
+use boxes::{PhotoBoxes, RawBox, ReadResults};
 use categories::Categories;
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::message::message;
 use scaleproof_core::spelling;
 
+pub use error::OutsideError;
 pub use photo_names::{PhotoName, PhotoNames, flat_name};
-
-/// Why detections from outside cannot stand in for a detector.
-#[derive(Debug, thiserror::Error)]
-pub enum OutsideError {
-    #[error(transparent)]
-    File(#[from] FileError),
-    #[error("{path} names its images by number ({id}), and nothing says which photos they are", path = path.display())]
-    NumberedImages { path: PathBuf, id: u64 },
-    #[error("{path}: the category {id} is none of {known}", path = path.display())]
-    UnknownCategory { path: PathBuf, id: u64, known: String },
-    #[error("{images} calls the category {id} `{theirs}`, and in COCO it is {coco}: whose ids the results have is not clear", images = images.display())]
-    WhoseCategories {
-        images: PathBuf,
-        id: u64,
-        theirs: String,
-        coco: String,
-    },
-    #[error("{images} does not list the photo {file}, so that {path} says nothing of it", images = images.display(), path = path.display())]
-    NotListed {
-        images: PathBuf,
-        path: PathBuf,
-        file: String,
-    },
-    #[error("{path}, {file}: {message}", path = path.display())]
-    Photo {
-        path: PathBuf,
-        file: String,
-        message: String,
-    },
-}
-
-/// Files of another program, and the photos they are about.
-#[derive(Debug, Clone, Copy)]
-pub struct ResultsRequest<'a> {
-    pub name: &'a str,
-    /// A COCO results list, or a folder of YOLO's text files.
-    pub path: &'a Path,
-    /// The COCO file whose `images` the results number.
-    pub images: Option<&'a Path>,
-    /// Names of the labels; COCO's when absent.
-    pub categories: Option<&'a Path>,
-    /// The number of the first label, where labels are counted; as the format has it when absent.
-    pub first_label: Option<u64>,
-    /// The photos of the run, in its order.
-    pub photos: &'a [PhotoName],
-}
+pub use request::ResultsRequest;
 
 #[derive(Debug)]
 pub struct OutsideResults {
@@ -73,30 +35,6 @@ pub struct OutsideResults {
     by_photo: Vec<PhotoBoxes>,
     /// Whether boxes count shares of the photo's width and height, else pixels.
     are_shares: bool,
-}
-
-#[derive(Debug, Default)]
-struct PhotoBoxes {
-    boxes: Vec<RawBox>,
-    /// Width and height of the photo in px, where the file states them.
-    size: Option<[u32; 2]>,
-    is_listed: bool,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct RawBox {
-    label: usize,
-    score: f64,
-    /// x, y of the top-left corner, width, height.
-    xywh: [f64; 4],
-}
-
-/// What a reader of one format returns.
-struct ReadResults {
-    by_photo: Vec<PhotoBoxes>,
-    /// Images that are no photo of the run, as the file calls them.
-    unknown: Vec<String>,
-    files: Vec<(String, String)>,
 }
 
 /// Results without any detection below were cut, which AP suffers from, unless a hundred boxes in each photo are above.
@@ -189,11 +127,7 @@ impl OutsideResults {
         let Some(photo) = self.by_photo.get(index) else {
             return Ok(Vec::new());
         };
-        let refuse = |message: String| OutsideError::Photo {
-            path: self.path.clone(),
-            file: file.to_owned(),
-            message,
-        };
+        let refuse = |fault: String| OutsideError::from(message!("{}, {file}: {fault}", self.path.display()));
         if let Some([w, h]) = photo.size.filter(|size| *size != [width, height]) {
             let hint = turned_hint("the other program", [w, h], [width, height]);
             return Err(refuse(format!(
@@ -277,18 +211,4 @@ fn notes(request: &ResultsRequest, read: &ReadResults) -> Vec<String> {
         ));
     }
     notes
-}
-
-/// The text of a file, and the file's name with its SHA-256.
-fn hashed_text(path: &Path) -> Result<(String, (String, String)), FileError> {
-    let text = files::read_text(path)?;
-    let sha256 = files::sha256_hex(text.as_bytes());
-    Ok((text, (files::name_of(path), sha256)))
-}
-
-/// What is wrong with some JSON, and where.
-fn syntax(path: &Path, e: &serde_json::Error) -> FileError {
-    let text = e.to_string();
-    let message = text.split(" at line ").next().unwrap_or(&text);
-    FileError::syntax(path, e.line(), message.to_owned())
 }

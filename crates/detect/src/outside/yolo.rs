@@ -3,9 +3,11 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use super::boxes::{PhotoBoxes, RawBox, ReadResults};
 use super::categories::Categories;
+use super::error::OutsideError;
 use super::photo_names::{PhotoNames, stem};
-use super::{OutsideError, PhotoBoxes, RawBox, ReadResults, ResultsRequest};
+use super::request::ResultsRequest;
 use scaleproof_core::files::{self, FileError};
 
 /// No box of a photo has a share beyond this, however it is rounded.

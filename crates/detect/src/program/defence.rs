@@ -4,7 +4,12 @@ use std::time::Duration;
 
 use image::RgbImage;
 
-use super::{ForeignCard, Hello, ProgramDetector, ProgramError, ProgramSpec, answer};
+use super::answer;
+use super::detector::ProgramDetector;
+use super::error::ProgramError;
+use super::hello::Hello;
+use super::spec::ProgramSpec;
+use crate::ForeignCard;
 
 /// A program that changes images, and as many of it as may run side by side.
 #[derive(Debug)]

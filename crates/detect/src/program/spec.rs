@@ -7,6 +7,7 @@ use serde::Deserialize;
 
 use super::super::Manifest;
 use scaleproof_core::files::{self, FileError};
+use scaleproof_core::message::{Message, message};
 
 /// What begins the name of a detector that is a command line.
 const PREFIX: &str = "exec:";
@@ -30,25 +31,15 @@ pub struct ProgramSpec {
     pub folder: Option<PathBuf>,
 }
 
-/// Why it is not clear what is to be started.
-#[derive(Debug, thiserror::Error)]
-pub enum ProgramSpecError {
-    #[error(transparent)]
-    File(#[from] FileError),
-    #[error("{text}: {fault}")]
-    CommandLine { text: String, fault: &'static str },
-}
-
 impl ProgramSpec {
     /// The program that a detector's name means: `exec:` and a command line, or a manifest with `command`. `None` for any other name.
-    pub fn named(name: &str) -> Result<Option<ProgramSpec>, ProgramSpecError> {
+    pub fn named(name: &str) -> Result<Option<ProgramSpec>, Message> {
         if let Some(line) = name.strip_prefix(PREFIX) {
             let command = words(line).and_then(|words| match words.first() {
                 Some(program) if !program.is_empty() => Ok(words),
                 _ => Err("no program is named: write exec:PROGRAM, or exec:'PROGRAM ARGUMENT …'"),
             });
-            let text = name.to_owned();
-            let command = command.map_err(|fault| ProgramSpecError::CommandLine { text, fault })?;
+            let command = command.map_err(|fault| message!("{name}: {fault}"))?;
             return Ok(Some(ProgramSpec {
                 command,
                 ..ProgramSpec::default()

@@ -6,8 +6,8 @@ use serde::Deserialize;
 use serde::de::IntoDeserializer;
 use serde::de::value::Error as NoVariant;
 
-use crate::ManifestError;
-use crate::manifest::{Head, Input, Resize};
+use crate::manifest::{Head, Input, Resize, invalid};
+use scaleproof_core::message::{Message, message};
 
 /// A family of detectors that are fed and read alike.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -86,19 +86,9 @@ static FAMILIES: LazyLock<Result<Vec<FamilyEntry>, String>> = LazyLock::new(|| {
         .map_err(|e| e.message().to_owned())
 });
 
-/// A name that no family has.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("there is no family `{0}`: choose one of {names}", names = names())]
-pub struct NoSuchFamily(String);
-
-fn names() -> String {
-    let names = FAMILIES.iter().flatten().map(|entry| entry.name.as_str());
-    names.collect::<Vec<_>>().join(", ")
-}
-
 impl Family {
-    fn entry(self) -> Result<&'static FamilyEntry, ManifestError> {
-        let refused = |message: &str| ManifestError::syntax("families.toml", message);
+    fn entry(self) -> Result<&'static FamilyEntry, Message> {
+        let refused = |message: &str| invalid("families.toml", message);
         let all = FAMILIES.as_ref().map_err(|message| refused(message))?;
         all.get(self as usize).ok_or_else(|| refused("a family is missing"))
     }
@@ -108,8 +98,11 @@ impl Family {
     }
 
     /// The family of that name; the error lists the names.
-    pub fn from_name(name: &str) -> Result<Family, NoSuchFamily> {
-        Family::deserialize(name.into_deserializer()).map_err(|_: NoVariant| NoSuchFamily(name.to_owned()))
+    pub fn from_name(name: &str) -> Result<Family, Message> {
+        Family::deserialize(name.into_deserializer()).map_err(|_: NoVariant| {
+            let names: Vec<&str> = FAMILIES.iter().flatten().map(|entry| entry.name.as_str()).collect();
+            message!("there is no family `{name}`: choose one of {}", names.join(", "))
+        })
     }
 
     pub fn title(self) -> &'static str {
@@ -117,7 +110,7 @@ impl Family {
     }
 
     /// How the family's own programs prepare a photo, for a network that takes images of `size_px`, or of any size.
-    pub(super) fn usual_input(self, size_px: Option<[u32; 2]>) -> Result<Input, ManifestError> {
+    pub(super) fn usual_input(self, size_px: Option<[u32; 2]>) -> Result<Input, Message> {
         let mut usual = self.entry()?.input.clone();
         usual.size_px = size_px.unwrap_or_default();
         match (self, size_px) {
@@ -139,7 +132,7 @@ impl Family {
         )
     }
 
-    pub(super) fn usual_head(self) -> Result<Head, ManifestError> {
+    pub(super) fn usual_head(self) -> Result<Head, Message> {
         Ok(self.entry()?.head.clone())
     }
 }

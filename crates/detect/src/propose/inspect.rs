@@ -6,7 +6,7 @@ use std::time::Duration;
 use image::{Rgb, RgbImage};
 use ort::value::{Outlet, TensorElementType};
 
-use super::ProposeError;
+use super::error::ProposeError;
 use super::metadata::Metadata;
 use crate::heads::Tensor;
 use crate::input::InputPlacement;
@@ -14,6 +14,7 @@ use crate::manifest::{Input, Layout, Resize, SIDES_PX, Values};
 use crate::onnx::{Affine, OnnxFile};
 use crate::runtime::{self, NoAnswer, first_line};
 use crate::{DetectError, Runtime};
+use scaleproof_core::message::{Message, bail, message};
 
 pub(super) struct Inspected {
     pub takes: Required,
@@ -43,7 +44,10 @@ pub(super) fn inspect(
     let (takes, inputs) = (Required::from_inputs(session.inputs())?, listed(session.inputs()));
     let fixed = takes.size_px;
     if let (Some(fixed), Some(named)) = (fixed, size_px.filter(|named| Some(*named) != fixed)) {
-        return Err(ProposeError::OtherSize { fixed, named });
+        bail!(
+            "the input is fixed at {}×{} pixels, not {}×{}", fixed[0], fixed[1], named[0], named[1];
+            hint: "leave ‹size› out"
+        );
     }
     let size_px = fixed
         .or(size_px)
@@ -51,7 +55,8 @@ pub(super) fn inspect(
         .or(usual_px)
         .unwrap_or([OPEN_SIDE_PX; 2]);
     if !size_px.iter().all(|side| SIDES_PX.contains(side)) {
-        return Err(ProposeError::Size { size_px });
+        let ([width, height], [least, most]) = (size_px, [SIDES_PX.start(), SIDES_PX.end()]);
+        bail!("the input is {width}×{height} pixels, and sides from {least} to {most} can be used");
     }
     let file = OnnxFile::read(bytes, &takes.image);
     let (layout, values) = (takes.layout, takes.values);
@@ -69,10 +74,11 @@ pub(super) fn inspect(
         let takes_size = takes.takes_photo_size;
         let outputs = runtime::run(&mut session, &input, takes_size, &image, &placement, time_limit);
         outputs.map_err(|e| match e {
-            NoAnswer::Failed(e) => ProposeError::Trial {
-                size_px,
-                reason: first_line(&e),
-            },
+            NoAnswer::Failed(e) => {
+                let ([width, height], reason) = (size_px, first_line(&e));
+                let fault = message!("an image of {width}×{height} pixels could not be run ({reason})");
+                fault.hint("name the input's size by ‹size›").into()
+            }
             NoAnswer::TooLong => ProposeError::Detect(DetectError::TooLong {
                 detector: path.display().to_string(),
                 seconds: time_limit.as_secs_f64(),
@@ -149,7 +155,7 @@ pub(super) struct Required {
 
 impl Required {
     /// Reads it from the inputs of a network: one image, or an image and the photo's size.
-    fn from_inputs(inputs: &[Outlet]) -> Result<Required, ProposeError> {
+    fn from_inputs(inputs: &[Outlet]) -> Result<Required, Message> {
         let all = listed(inputs);
         let all_images = |of: fn(&Outlet) -> Option<_>| -> Vec<_> {
             inputs.iter().filter_map(|input| Some((input, of(input)?))).collect()
@@ -157,14 +163,18 @@ impl Required {
         let images = Some(all_images(image)).filter(|images| !images.is_empty());
         let images = images.unwrap_or_else(|| all_images(open_image));
         let (image_input, (layout, batch, sides)) = match images[..] {
-            [] => return Err(ProposeError::NoImage { inputs: all }),
+            [] => bail!(
+                "no input is an image of three channels (inputs: {all}): this is no detector for photos, or it must be exported with three channels fixed"
+            ),
             [only] => only,
-            _ => return Err(ProposeError::SeveralImages { inputs: all }),
+            _ => bail!("several inputs could be the image ({all}): only networks that look at one image can be used"),
         };
         let values = match image_input.dtype().tensor_type() {
             Some(TensorElementType::Float32) => Values::F32,
             Some(TensorElementType::Uint8) => Values::U8,
-            _ => return Err(ProposeError::OtherNumbers { inputs: all }),
+            _ => {
+                bail!("the image is neither float32 nor uint8 (inputs: {all}): export the network with float32 inputs")
+            }
         };
         let is_photo_size = |input: &Outlet| {
             input.dtype().tensor_type() == Some(TensorElementType::Int64) && matches!(shape(input)[..], [1 | -1, 2])
@@ -172,10 +182,12 @@ impl Required {
         let takes_photo_size = match inputs {
             [_] => false,
             [first, size] if first.name() == image_input.name() && is_photo_size(size) => true,
-            _ => return Err(ProposeError::OtherInputs { inputs: all }),
+            _ => bail!(
+                "besides the image only the photo's size can be given, as a second input of two whole numbers (inputs: {all}): export the network without the others"
+            ),
         };
         if !matches!(batch, -1 | 1) {
-            return Err(ProposeError::Batch { inputs: all });
+            bail!("the network takes several images at once (inputs: {all}): export it for a single one");
         }
         let fixed = sides.map(|side| u32::try_from(side).ok().filter(|side| *side > 0));
         Ok(Required {

@@ -1,29 +1,32 @@
 //! From an ONNX file alone to a manifest: which family its outputs are of, and what no file says.
 
-mod details;
-mod family;
-mod inspect;
-mod metadata;
-mod numbers;
-mod preprocessor;
-mod recognise;
+mod details; // units and orders of boxes, by their numbers
+mod error;
+mod family; // the families of detectors
+mod inspect; // inputs of a network, and its answers to two images
+mod metadata; // what Ultralytics' exporter writes into a file
+mod numbers; // families that a network's numbers rule out
+mod preprocessor; // preprocessor_config.json beside a network
+mod recognise; // families by the shapes of outputs
 
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Duration;
 
+pub use error::ProposeError;
 pub use family::Family;
 pub use metadata::{height_and_width, python_names};
 pub use preprocessor::preprocessed;
 
 use super::heads::{self, HeadError, Tensor};
-use super::manifest::{Head, Input, Resize, SIDES_PX, Values};
+use super::manifest::{Head, Input, Resize, Values};
 use super::weights::network_sha256;
-use super::{DetectError, Labels, Manifest, ManifestError, Runtime};
+use super::{Labels, Manifest, ManifestError, Runtime};
 use inspect::Inspected;
 use preprocessor::Preprocessor;
 use recognise::FamilyCandidate;
 use scaleproof_core::files;
+use scaleproof_core::message::{Message, bail, message};
 
 /// What the user knows and the file may not say.
 #[derive(Debug, Clone, Copy, Default)]
@@ -39,124 +42,14 @@ pub struct Hints {
 }
 
 /// A manifest that the network was run with, and what it rests on.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Proposal {
     pub family: Family,
     pub manifest: Manifest,
     /// The manifest as TOML.
     pub text: String,
     /// What was read from the file and what was not, as sentences.
-    pub notes: Vec<ProposalNote>,
-}
-
-/// What was read from a file or taken for granted, as a sentence.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum ProposalNote {
-    #[error(
-        "{title}: inferred from inputs {inputs} and outputs {outputs}, and from what it answers to a grey image and to noise"
-    )]
-    Recognised {
-        title: &'static str,
-        inputs: String,
-        outputs: String,
-    },
-    #[error("the labels are taken for {list}, as there are {count}")]
-    LabelsByCount { list: String, count: usize },
-    #[error("the file leaves the input's size open: {width}×{height} is taken")]
-    OpenSize { width: u32, height: u32 },
-    #[error("the input is bytes, so the network is taken to normalise them itself")]
-    Bytes,
-    #[error(
-        "the network's first nodes bring its values into range themselves, so that it is given values 0 to {highest}"
-    )]
-    OwnRange { highest: u8 },
-    #[error("{settings} are those of preprocessor_config.json beside it")]
-    Preprocessor { settings: String },
-    #[error(
-        "{settings} are the family's usual, as no file says them: compare them with the program that the weights come from"
-    )]
-    UsualInput { settings: String },
-}
-
-/// Why no manifest can be proposed, as a sentence.
-#[derive(Debug, thiserror::Error)]
-pub enum ProposeError {
-    #[error(transparent)]
-    File(#[from] files::FileError),
-    #[error(transparent)]
-    Detect(#[from] DetectError),
-    #[error(transparent)]
-    Manifest(#[from] ManifestError),
-    #[error(
-        "no input is an image of three channels (inputs: {inputs}): this is no detector for photos, or it \
-         must be exported with three channels fixed"
-    )]
-    NoImage { inputs: String },
-    #[error("several inputs could be the image ({inputs}): only networks that look at one image can be used")]
-    SeveralImages { inputs: String },
-    #[error("the image is neither float32 nor uint8 (inputs: {inputs}): export the network with float32 inputs")]
-    OtherNumbers { inputs: String },
-    #[error(
-        "besides the image only the photo's size can be given, as a second input of two whole numbers (inputs: {inputs}): export the \
-         network without the others"
-    )]
-    OtherInputs { inputs: String },
-    #[error("the network takes several images at once (inputs: {inputs}): export it for a single one")]
-    Batch { inputs: String },
-    #[error("the input is fixed at {}×{} pixels, not {}×{}", fixed[0], fixed[1], named[0], named[1])]
-    OtherSize { fixed: [u32; 2], named: [u32; 2] },
-    #[error("the input is {}×{} pixels, and sides from {} to {} can be used", size_px[0], size_px[1], SIDES_PX.start(), SIDES_PX.end())]
-    Size { size_px: [u32; 2] },
-    #[error("an image of {}×{} pixels could not be run ({reason})", size_px[0], size_px[1])]
-    Trial { size_px: [u32; 2], reason: String },
-    #[error("{path} cannot be followed ({reason}): mend it, or move it away to get the family's usual way", path = path.display())]
-    Preprocessor { path: PathBuf, reason: String },
-    #[error("the file says that its task is {task:?}, and only detectors can be scored")]
-    OtherTask { task: String },
-    #[error("it answers a plain grey image or noise with {what}: no box of it could be trusted")]
-    NotANumber { what: String },
-    #[error(
-        "its outputs {outputs} are of no known family: for an input of {}×{}, {needs}; see the table in \
-         docs/guide/reference/detector-manifest.md", size_px[0], size_px[1]
-    )]
-    Unknown {
-        outputs: String,
-        size_px: [u32; 2],
-        /// What each family would have, which these outputs are not.
-        needs: String,
-    },
-    #[error("its outputs {outputs} have the shapes of {reasons}")]
-    WrongNumbers {
-        outputs: String,
-        /// Each family, and why its numbers are others.
-        reasons: String,
-    },
-    #[error("its outputs {outputs} are not those of {named}: {instead}")]
-    NotThisFamily {
-        outputs: String,
-        named: &'static str,
-        instead: String,
-    },
-    #[error(
-        "its outputs {outputs} are grids before their decoding, of YOLOv3 or of a later YOLO, which decodes them otherwise: name the family \
-         if it is yolov3, or export the network with its decoding"
-    )]
-    NotDecoded { outputs: String },
-    #[error("its outputs {outputs} could be of {families}, which are fed differently")]
-    Ambiguous { outputs: String, families: String },
-    #[error("{what}")]
-    NoLabels { what: String },
-    #[error(
-        "its outputs {outputs} could be of {families}, with room for {room} labels, and {given} are named: the labels are another network's"
-    )]
-    LabelCount {
-        outputs: String,
-        families: String,
-        room: String,
-        given: usize,
-    },
-    #[error("the network's outputs cannot be read as {title}: {reason}")]
-    Misread { title: &'static str, reason: String },
+    pub notes: Vec<Message>,
 }
 
 /// Time limit for each of the two images.
@@ -204,16 +97,17 @@ pub fn propose(
     let network = inspect::inspect(runtime, path, &bytes, [hints.size_px, usual_px], time_limit)?;
     let sha256 = network_sha256(path, bytes)?;
     if let Some(task) = network.metadata.task.as_ref().filter(|task| *task != "detect") {
-        return Err(ProposeError::OtherTask { task: task.clone() });
+        bail!("the file says that its task is {task:?}, and only detectors can be scored");
     }
     if let Some(what) = network.answers.iter().find_map(|a| heads::with_no_number(a)) {
-        return Err(ProposeError::NotANumber { what });
+        return Err(not_a_number(&what).into());
     }
     let known = match (hints.labels, &network.metadata.names) {
         (Some(labels), _) => Some(labels),
-        (None, Some(names)) => Some(Labels::of_names(names.clone()).map_err(|e| ProposeError::NoLabels {
-            what: format!("the names that the file gives cannot be used, as {e}"),
-        })?),
+        (None, Some(names)) => {
+            let unusable = |e| no_labels(&format!("the names that the file gives cannot be used, as {e}"));
+            Some(Labels::of_names(names.clone()).map_err(unusable)?)
+        }
         (None, None) => None,
     };
     let named = hints.family;
@@ -231,11 +125,8 @@ pub fn propose(
     let text = manifest.to_toml()?;
     for outputs in &network.answers {
         heads::candidates(&manifest, outputs, network.size_px).map_err(|e| match e {
-            HeadError::NotFinite { what } => ProposeError::NotANumber { what },
-            e => ProposeError::Misread {
-                title: family.title(),
-                reason: e.to_string(),
-            },
+            HeadError::NotFinite { what } => not_a_number(&what),
+            e => message!("the network's outputs cannot be read as {}: {e}", family.title()),
         })?;
     }
     Ok(Proposal {
@@ -252,7 +143,7 @@ fn input(
     family: Family,
     preprocessor: Option<&Preprocessor>,
     named_px: Option<[u32; 2]>,
-) -> Result<(Input, Vec<&'static str>), ManifestError> {
+) -> Result<(Input, Vec<&'static str>), Message> {
     let is_open = network.takes.size_px.is_none();
     let takes_any_size = is_open && family.takes_any_size();
     let mut input = family.usual_input((!takes_any_size).then_some(network.size_px))?;
@@ -272,7 +163,7 @@ fn head(
     labels: Labels,
     network: &Inspected,
     first_label: Option<i64>,
-) -> Result<Head, ProposeError> {
+) -> Result<Head, Message> {
     let mut head = candidate.family.usual_head()?;
     let outputs = &network.answers[1];
     match &mut head {
@@ -312,7 +203,7 @@ fn head(
 }
 
 /// The one family that fits, or why there is not one.
-fn chosen(network: &Inspected, named: Option<Family>, labels: Option<Labels>) -> Result<FamilyCandidate, ProposeError> {
+fn chosen(network: &Inspected, named: Option<Family>, labels: Option<Labels>) -> Result<FamilyCandidate, Message> {
     let outputs = shapes(&network.answers[0]);
     let mut fitting = recognise::by_shape(network);
     if let Some(named) = named {
@@ -323,23 +214,21 @@ fn chosen(network: &Inspected, named: Option<Family>, labels: Option<Labels>) ->
             } else {
                 format!("they could be of {}", others.join(" or "))
             };
-            return Err(ProposeError::NotThisFamily {
-                outputs,
-                named: named.title(),
-                instead,
-            });
+            bail!("its outputs {outputs} are not those of {}: {instead}", named.title());
         }
         fitting.retain(|c| c.family == named);
     }
     if fitting.is_empty() {
-        return Err(ProposeError::Unknown {
-            outputs,
-            size_px: network.size_px,
-            needs: recognise::needs(network.size_px),
-        });
+        let [width, height] = network.size_px;
+        let needs = recognise::needs(network.size_px);
+        bail!(
+            "its outputs {outputs} are of no known family: for an input of {width}×{height}, {needs}; see the table in docs/guide/reference/detector-manifest.md"
+        );
     }
     if named.is_none() && fitting.iter().any(|c| c.family == Family::Yolov3) {
-        return Err(ProposeError::NotDecoded { outputs });
+        bail!(
+            "its outputs {outputs} are grids before their decoding, of YOLOv3 or of a later YOLO, which decodes them otherwise: name the family if it is yolov3, or export the network with its decoding"
+        );
     }
     // Conditional DETR, which has the shapes of DETR, is rare, and must be named where no preprocessor says it.
     if fitting.iter().any(|c| c.family == Family::Detr) {
@@ -352,12 +241,9 @@ fn chosen(network: &Inspected, named: Option<Family>, labels: Option<Labels>) ->
         fitting.retain(|c| c.labels.is_none_or(|room| fits(c.family, room, labels)));
         if fitting.is_empty() {
             let room = rooms.iter().map(usize::to_string).collect::<Vec<_>>().join(" or ");
-            return Err(ProposeError::LabelCount {
-                outputs,
-                families,
-                room,
-                given,
-            });
+            bail!(
+                "its outputs {outputs} could be of {families}, with room for {room} labels, and {given} are named: the labels are another network's"
+            );
         }
     }
     let mut refuted = Vec::new();
@@ -372,14 +258,11 @@ fn chosen(network: &Inspected, named: Option<Family>, labels: Option<Labels>) ->
     });
     match fitting.len() {
         1 => Ok(fitting.swap_remove(0)),
-        0 => Err(ProposeError::WrongNumbers {
-            outputs,
-            reasons: refuted.join("; of "),
-        }),
-        _ => Err(ProposeError::Ambiguous {
-            outputs,
-            families: titles(&fitting),
-        }),
+        0 => bail!("its outputs {outputs} have the shapes of {}", refuted.join("; of ")),
+        _ => bail!(
+            "its outputs {outputs} could be of {}, which are fed differently", titles(&fitting);
+            hint: "name yours by ‹family›"
+        ),
     }
 }
 
@@ -403,7 +286,7 @@ fn fits(family: Family, room: usize, labels: Labels) -> bool {
 }
 
 /// The labels of a network, and which list they are taken for by their number alone.
-fn labels(candidate: &FamilyCandidate, known: Option<Labels>) -> Result<(Labels, Option<&'static str>), ProposeError> {
+fn labels(candidate: &FamilyCandidate, known: Option<Labels>) -> Result<(Labels, Option<&'static str>), Message> {
     if let Some(labels) = known {
         return Ok((labels, None));
     }
@@ -419,7 +302,15 @@ fn labels(candidate: &FamilyCandidate, known: Option<Labels>) -> Result<(Labels,
         Some(room) => format!("the outputs have room for {room} labels, which the file does not name"),
         None => "neither the file nor the outputs' shapes say what the labels are".to_owned(),
     };
-    Err(ProposeError::NoLabels { what })
+    Err(no_labels(&what))
+}
+
+fn no_labels(what: &str) -> Message {
+    message!("{what}").hint("name the labels by ‹labels›, as coco80, coco91, voc20 or a file with one a line")
+}
+
+fn not_a_number(what: &str) -> Message {
+    message!("it answers a plain grey image or noise with {what}: no box of it could be trusted")
 }
 
 fn shapes(outputs: &[Tensor]) -> String {
@@ -436,34 +327,49 @@ fn notes(
     manifest: &Manifest,
     guessed: Option<&str>,
     said: &[&str],
-) -> Vec<ProposalNote> {
+) -> Vec<Message> {
     let family = candidate.family;
-    let mut notes = vec![ProposalNote::Recognised {
-        title: family.title(),
-        inputs: network.inputs.clone(),
-        outputs: shapes(&network.answers[0]),
-    }];
-    notes.extend(guessed.map(|list| ProposalNote::LabelsByCount {
-        list: list.to_owned(),
-        count: candidate.labels.unwrap_or(manifest.labels.count()),
-    }));
+    let mut notes = vec![message!(
+        "{}: inferred from inputs {} and outputs {}, and from what it answers to a grey image and to noise",
+        family.title(),
+        network.inputs,
+        shapes(&network.answers[0])
+    )];
+    if let Some(list) = guessed {
+        let count = candidate.labels.unwrap_or(manifest.labels.count());
+        let note = message!("the labels are taken for {list}, as there are {count}");
+        notes.push(note.hint("name others by ‹labels›"));
+    }
     if network.takes.size_px.is_none() && !family.takes_any_size() && !said.contains(&"input.size_px") {
         let [width, height] = manifest.input.size_px;
-        notes.push(ProposalNote::OpenSize { width, height });
+        let note = message!("the file leaves the input's size open: {width}×{height} is taken");
+        notes.push(note.hint("name another by ‹size›"));
     }
     if network.takes.values == Values::U8 && family != Family::TfOd {
-        notes.push(ProposalNote::Bytes);
+        notes.push(message!(
+            "the input is bytes, so the network is taken to normalise them itself"
+        ));
     }
     if network.takes.values == Values::F32
         && let Some(own) = network.file.prepares
     {
         let highest = if own.std() == 1.0 { 255 } else { 1 };
-        notes.push(ProposalNote::OwnRange { highest });
+        notes.push(message!(
+            "the network's first nodes bring its values into range themselves, so that it is given values 0 to {highest}"
+        ));
     }
-    let settings = said.join(", ");
-    notes.extend((!said.is_empty()).then_some(ProposalNote::Preprocessor { settings }));
+    if !said.is_empty() {
+        notes.push(message!(
+            "{} are those of preprocessor_config.json beside it",
+            said.join(", ")
+        ));
+    }
     let settings = usual_settings(manifest, said);
-    notes.extend((!settings.is_empty()).then_some(ProposalNote::UsualInput { settings }));
+    if !settings.is_empty() {
+        notes.push(message!(
+            "{settings} are the family's usual, as no file says them: compare them with the program that the weights come from"
+        ));
+    }
     notes
 }
 

@@ -91,7 +91,11 @@ pub(super) fn scores(network: &Inspected) -> Scores {
             None => outputs.iter().filter(is_scores).flat_map(floats).collect(),
         }
     };
-    if no_score(network.answers.iter().flat_map(|outputs| scores_of(outputs))).is_some() {
+    scores_by(no_score(network.answers.iter().flat_map(|outputs| scores_of(outputs))).is_some())
+}
+
+fn scores_by(are_logits: bool) -> Scores {
+    if are_logits {
         Scores::Logits
     } else {
         Scores::Probabilities
@@ -104,11 +108,7 @@ pub(super) fn pair_scores(network: &Inspected, labels: Option<usize>) -> Scores 
         let pair = Pair::find(outputs, |columns| Some(columns) == labels)?;
         no_score(floats(&outputs[pair.scores]))
     };
-    if network.answers.iter().any(|outputs| of(outputs).is_some()) {
-        Scores::Logits
-    } else {
-        Scores::Probabilities
-    }
+    scores_by(network.answers.iter().any(|outputs| of(outputs).is_some()))
 }
 
 /// Centres and sizes of the boxes of a family with one table, of both answers.

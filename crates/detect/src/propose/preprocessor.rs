@@ -5,9 +5,10 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use super::{Family, ProposeError};
+use super::family::Family;
 use crate::manifest::{Channels, Input, Kernel, Resize, SIDES_PX, Values};
 use scaleproof_core::files;
+use scaleproof_core::message::{Message, message};
 
 const NAME: &str = "preprocessor_config.json";
 
@@ -37,14 +38,16 @@ pub fn preprocessed(json: &[u8], usual: &Input, is_open: bool) -> Result<Input, 
 
 impl Preprocessor {
     /// Reads the file beside a network, if there is one.
-    pub(super) fn beside(network: &Path) -> Result<Option<Preprocessor>, ProposeError> {
+    pub(super) fn beside(network: &Path) -> Result<Option<Preprocessor>, Message> {
         let path = files::folder_of(network).join(NAME);
         if !path.is_file() {
             return Ok(None);
         }
-        Preprocessor::parse(&files::read(&path)?)
-            .map(Some)
-            .map_err(|reason| ProposeError::Preprocessor { path, reason })
+        let read = Preprocessor::parse(&files::read(&path)?).map(Some);
+        read.map_err(|reason| {
+            let path = path.display();
+            message!("{path} cannot be followed ({reason}): mend it, or move it away to get the family's usual way")
+        })
     }
 
     fn parse(json: &[u8]) -> Result<Preprocessor, String> {

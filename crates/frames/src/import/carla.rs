@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use scaleproof_core::geometry::rigid::{self, Rigid};
 
-/// What `actor.get_transform()` gives.
+/// Pose of an actor, as `actor.get_transform()` returns it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transform {
     pub place_m: [f64; 3],
@@ -17,7 +17,7 @@ impl Transform {
         self.place_m.iter().chain(&self.angles_deg).all(|v| v.is_finite())
     }
 
-    /// The rotation from the actor's frame into the world's, both left-handed (`carla.Transform.get_matrix`).
+    /// Returns the rotation from the actor's frame into the world's, both left-handed (`carla.Transform.get_matrix`).
     fn rotation(&self) -> Matrix3<f64> {
         let [(sp, cp), (sy, cy), (sr, cr)] = self.angles_deg.map(|deg| deg.to_radians().sin_cos());
         Matrix3::new(
@@ -34,7 +34,7 @@ impl Transform {
     }
 }
 
-/// `T_camera_model` (mm): the model frame is the vehicle's with y to the left, the camera's is OpenCV's.
+/// Returns `T_camera_model` (mm): the model frame is the vehicle's with y to the left, the camera frame is OpenCV's.
 pub fn pose(camera: &Transform, vehicle: &Transform) -> Rigid {
     let (to_world, from_vehicle) = (camera.rotation(), vehicle.rotation());
     let camera_place = from_vehicle.transpose() * (Vector3::from(camera.place_m) - Vector3::from(vehicle.place_m));

@@ -12,25 +12,26 @@ use std::path::{Path, PathBuf};
 use image::RgbImage;
 
 use super::carla::{Transform, pose};
+use super::limits::{FIELDS_OF_VIEW_DEG, is_plain};
 use super::npz::{Archive, Array};
-use super::{FIELDS_OF_VIEW_DEG, FrameImportError, is_plain};
 use crate::drawn::{draw, paint_sides};
-use crate::{Frame, FrameList, FramePaint, Pinhole, Positions, encode_rgb, require};
+use crate::{Frame, FrameList, FramePaint, FramesError, Pinhole, Positions, encode_rgb, of_file};
 use scaleproof_core::files::FileError;
-use scaleproof_core::geometry::length::SCALES;
+use scaleproof_core::geometry::length::{SCALES, shown};
+use scaleproof_core::message::{Message, ensure, message};
 use scaleproof_core::workers;
 use scaleproof_surface::mesh::Mesh;
 
-/// Places along each side of a pixel at which the surface is looked at.
+/// Samples of the surface along each side of a pixel.
 const FACTOR: u32 = 2;
-/// Pixels along a side of an image.
+/// Sides of an image, px.
 const SIDES_PX: std::ops::RangeInclusive<u64> = 16..=2048;
 /// All frames of a folder are held until they are written: some gigabytes.
 const MOST_FRAMES: usize = 2000;
-/// Nothing drops further before an image is taken.
+/// Possible drops before an image is taken.
 const DROPS_M: std::ops::RangeInclusive<f64> = -10.0..=10.0;
 
-/// What is known besides the folder.
+/// Settings of an import of FCA's files.
 #[derive(Debug, Clone)]
 pub struct FcaRequest {
     pub mesh: Mesh,
@@ -38,16 +39,16 @@ pub struct FcaRequest {
     pub materials: Vec<usize>,
     /// The model is 1:`scale`; the poses are of the thing itself.
     pub scale: f64,
-    /// The vehicle stands so much lower than `veh_trans` says.
+    /// Height by which the vehicle stands lower than `veh_trans` says.
     pub drop_m: f64,
     /// Horizontal.
     pub field_of_view_deg: f64,
     pub paint: FramePaint,
-    /// How the frames say they were made.
+    /// The command that made the frames.
     pub made_by: String,
 }
 
-/// Frames that are not yet written: five images each, and the list.
+/// Imported frames that are not yet written: five images each, and the list.
 pub struct FcaFrames {
     pub files: Vec<(PathBuf, Vec<u8>)>,
     /// The least z of `veh_trans`.
@@ -61,13 +62,9 @@ struct Shot {
     vehicle: Transform,
 }
 
-/// Everything that a folder becomes: the list and the images, as files of `output`.
-pub fn import(folder: &Path, output: &Path, request: &FcaRequest) -> Result<FcaFrames, FrameImportError> {
-    let (value, drop_m, scale) = (request.field_of_view_deg, request.drop_m, request.scale);
-    let is_view = FIELDS_OF_VIEW_DEG.contains(&value);
-    require(is_view, || FrameImportError::FieldOfView { value })?;
-    require(DROPS_M.contains(&drop_m), || FrameImportError::Drop { value: drop_m })?;
-    require(SCALES.contains(&scale), || FrameImportError::Scale { value: scale })?;
+/// Imports a folder: returns the list and the images, as files of `output`.
+pub fn import(folder: &Path, output: &Path, request: &FcaRequest) -> Result<FcaFrames, FramesError> {
+    check(request)?;
     let paths = archives(folder)?;
     let first = read(&paths[0])?;
     let sides = paint_sides(&request.mesh, &request.materials);
@@ -75,25 +72,27 @@ pub fn import(folder: &Path, output: &Path, request: &FcaRequest) -> Result<FcaF
     let size_px = first.image.dimensions().into();
     let camera = Pinhole::with_field_of_view(size_px, request.field_of_view_deg);
     let positions = Positions::around(&request.mesh, FACTOR);
-    let work = |(): &mut (), path: &PathBuf| {
-        let wrong = |message: String| FileError::content(path, message);
-        let shot = read(path)?;
-        require(shot.image.dimensions() == first.image.dimensions(), || {
-            let first = &first.name;
-            wrong(format!(
-                "its image has another size than that of {first}: frames have one camera"
-            ))
-        })?;
+    let draw_car = |shot: &Shot| {
+        ensure!(
+            shot.image.dimensions() == first.image.dimensions(),
+            "its image has another size than that of {}: frames have one camera",
+            first.name
+        );
         let mut stand = shot.vehicle;
         stand.place_m[2] -= request.drop_m;
         let mut pose = pose(&shot.camera, &stand);
         // At model scale.
         pose.translation.vector /= request.scale;
         let check = "check the poses of both, and the mesh's length and scale";
-        let behind = || wrong(format!("part of the car is not before the camera: {check}"));
-        let drawn = draw((&request.mesh, &sides), &pose, &camera, size_px, FACTOR).ok_or_else(behind)?;
+        let behind = || message!("part of the car is not before the camera: {check}");
+        let drawn = draw(&request.mesh, &sides, &pose, &camera, size_px, FACTOR).ok_or_else(behind)?;
         let is_seen = drawn.object_mask.pixels().any(|p| p.0[0] > 0);
-        require(is_seen, || wrong(format!("the car is not in the image: {check}")))?;
+        ensure!(is_seen, "the car is not in the image: {check}");
+        Ok((pose, drawn))
+    };
+    let work = |(): &mut (), path: &PathBuf| {
+        let shot = read(path)?;
+        let (pose, drawn) = draw_car(&shot).map_err(of_file(path))?;
         let shape = format!("masks/{}", shot.name);
         let frame = Frame {
             box_xyxy_px: drawn.box_xyxy_px,
@@ -101,7 +100,7 @@ pub fn import(folder: &Path, output: &Path, request: &FcaRequest) -> Result<FcaF
         };
         let mut files = vec![(output.join(&frame.rgb), encode_rgb(&shot.image)?)];
         files.extend(drawn.files(output, &frame, &positions)?);
-        Ok::<_, FrameImportError>((files, frame, shot.vehicle.place_m))
+        Ok::<_, FramesError>((files, frame, shot.vehicle.place_m))
     };
     let done = workers::map(&paths, || Ok(()), work, || ())?;
     let mut list = FrameList {
@@ -127,8 +126,28 @@ pub fn import(folder: &Path, output: &Path, request: &FcaRequest) -> Result<FcaF
     })
 }
 
-/// The `.npz` files of a folder, by name; at least one.
-fn archives(folder: &Path) -> Result<Vec<PathBuf>, FrameImportError> {
+fn check(request: &FcaRequest) -> Result<(), Message> {
+    let (angle, drop_m, scale) = (request.field_of_view_deg, request.drop_m, request.scale);
+    ensure!(
+        FIELDS_OF_VIEW_DEG.contains(&angle),
+        "the field of view cannot be {}°; give the horizontal one, from 1 to 170",
+        shown(angle)
+    );
+    ensure!(
+        DROPS_M.contains(&drop_m),
+        "the car cannot have dropped by {} m; give a height from -10 to 10 m",
+        shown(drop_m)
+    );
+    ensure!(
+        SCALES.contains(&scale),
+        "the scale cannot be {}; give 10 for a 1:10 model, from 0.01 to 10000",
+        shown(scale)
+    );
+    Ok(())
+}
+
+/// Lists the `.npz` files of a folder, by name; at least one.
+fn archives(folder: &Path) -> Result<Vec<PathBuf>, FramesError> {
     let failed = |e| FileError::read(folder, &e);
     let mut paths = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(failed)? {
@@ -146,11 +165,11 @@ fn archives(folder: &Path) -> Result<Vec<PathBuf>, FrameImportError> {
     Err(FileError::content(folder, message).into())
 }
 
-fn read(path: &Path) -> Result<Shot, FrameImportError> {
+fn read(path: &Path) -> Result<Shot, FramesError> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    require(is_plain(&name), || {
-        FileError::content(path, "its name may have letters, digits, '-', '_', '.' and '@' only")
-    })?;
+    if !is_plain(&name) {
+        return Err(FileError::content(path, "its name may have letters, digits, '-', '_', '.' and '@' only").into());
+    }
     let mut archive = Archive::open(path)?;
     let image = image(archive.array("img")?)?;
     let [vehicle, camera] = ["veh_trans", "cam_trans"].map(|name| transform(archive.array(name)?));
@@ -166,7 +185,7 @@ fn read(path: &Path) -> Result<Shot, FrameImportError> {
     })
 }
 
-fn image(array: Array) -> Result<RgbImage, FrameImportError> {
+fn image(array: Array) -> Result<RgbImage, FramesError> {
     let (height, width) = match *array.shape() {
         [height, width, 3] if SIDES_PX.contains(&height) && SIDES_PX.contains(&width) => (height as u32, width as u32),
         _ => return Err(array.wrong_shape("height × width × 3, with sides of 16 to 2048 pixels")),
@@ -178,16 +197,13 @@ fn image(array: Array) -> Result<RgbImage, FrameImportError> {
     Ok(image)
 }
 
-fn transform(array: Array) -> Result<Transform, FrameImportError> {
-    require(array.shape() == [2, 3], || {
-        array.wrong_shape("2×3: x, y, z, then pitch, yaw, roll")
-    })?;
+fn transform(array: Array) -> Result<Transform, FramesError> {
+    if array.shape() != [2, 3] {
+        return Err(array.wrong_shape("2×3: x, y, z, then pitch, yaw, roll"));
+    }
     let not_finite = array.wrong("has a number that is not finite");
     let numbers = array.reals()?;
-    let Ok([place_m, angles_deg]) = <[[f64; 3]; 2]>::try_from(numbers.as_chunks::<3>().0) else {
-        return Err(not_finite);
-    };
-    let transform = Transform { place_m, angles_deg };
-    require(transform.is_finite(), || not_finite)?;
-    Ok(transform)
+    let rows = <[[f64; 3]; 2]>::try_from(numbers.as_chunks::<3>().0).ok();
+    let transform = rows.map(|[place_m, angles_deg]| Transform { place_m, angles_deg });
+    transform.filter(Transform::is_finite).ok_or(not_finite)
 }

@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use npyz::{Deserialize, NpyFile, Order};
 use zip::ZipArchive;
 
-use super::FrameImportError;
-use crate::require;
+use crate::FramesError;
 use scaleproof_core::files::{self, FileError};
+use scaleproof_core::message::{Message, ensure, message};
 
-/// The most bytes of a file, and of an array in it: more than twice the largest image that is read.
+/// Most bytes of a file, and of an array in it: more than twice the largest image that is read.
 const MOST_BYTES: u64 = 32 << 20;
-/// Before an array's numbers. NumPy writes 128 bytes; brackets in brackets would take a parser's stack.
+/// Most bytes before an array's numbers. NumPy writes 128; nested brackets would take a parser's stack.
 const MOST_HEADER_BYTES: usize = 512;
 
 /// An opened `.npz` file.
@@ -29,7 +29,7 @@ pub(super) struct Array {
 }
 
 impl Archive {
-    pub(super) fn open(path: &Path) -> Result<Self, FrameImportError> {
+    pub(super) fn open(path: &Path) -> Result<Self, FramesError> {
         let bytes = files::read_at_most(path, MOST_BYTES)?;
         let broken = |e| FileError::content(path, format!("it is no whole archive of NumPy ({e}): save it again"));
         Ok(Self {
@@ -38,7 +38,7 @@ impl Archive {
         })
     }
 
-    pub(super) fn array(&mut self, name: &str) -> Result<Array, FrameImportError> {
+    pub(super) fn array(&mut self, name: &str) -> Result<Array, FramesError> {
         let files = self.zip.file_names();
         let mut names: Vec<&str> = files.filter_map(|file| file.strip_suffix(".npy")).collect();
         if !names.contains(&name) {
@@ -48,34 +48,43 @@ impl Archive {
             return Err(FileError::content(&self.path, message).into());
         }
         let wrong = |reason: &str| FileError::content(&self.path, format!("the array {name} {reason}"));
-        let damaged = |e| wrong(&format!("is damaged ({e}): save it again"));
         let mut bytes = Vec::new();
         let entry = self.zip.by_name(&format!("{name}.npy"));
         let entry = entry.map_err(|e| wrong(&format!("cannot be read ({e})")))?;
-        entry.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(damaged)?;
-        require(bytes.len() as u64 <= MOST_BYTES, || {
-            wrong(&format!("has more than {} MB", MOST_BYTES >> 20))
-        })?;
-        let is_short = header_bytes(&bytes) <= MOST_HEADER_BYTES;
-        require(is_short, || wrong("has a header that NumPy does not write"))?;
-        let file = NpyFile::new(Cursor::new(bytes)).map_err(damaged)?;
-        let has_numbers = !file.uses_pickled_array();
-        require(has_numbers, || wrong("holds Python objects: save numbers"))?;
-        require(file.order() != Order::Fortran, || {
-            wrong("is in Fortran's order: save np.ascontiguousarray of it")
-        })?;
+        let read = entry.take(MOST_BYTES + 1).read_to_end(&mut bytes);
+        read.map_err(|e| wrong(&damaged(&e)))?;
         Ok(Array {
+            file: array_of(bytes).map_err(|reason| wrong(&reason.to_string()))?,
             path: self.path.clone(),
             name: name.to_owned(),
-            file,
         })
     }
+}
+
+fn damaged(e: &std::io::Error) -> String {
+    format!("is damaged ({e}): save it again")
+}
+
+/// Reads the header of an array; errors are the end of a sentence about it.
+fn array_of(bytes: Vec<u8>) -> Result<NpyFile<Cursor<Vec<u8>>>, Message> {
+    ensure!(
+        bytes.len() as u64 <= MOST_BYTES,
+        "has more than {} MB",
+        MOST_BYTES >> 20
+    );
+    let is_short = header_bytes(&bytes) <= MOST_HEADER_BYTES;
+    ensure!(is_short, "has a header that NumPy does not write");
+    let file = NpyFile::new(Cursor::new(bytes)).map_err(|e| message!("{}", damaged(&e)))?;
+    ensure!(!file.uses_pickled_array(), "holds Python objects: save numbers");
+    let is_rows = file.order() != Order::Fortran;
+    ensure!(is_rows, "is in Fortran's order: save np.ascontiguousarray of it");
+    Ok(file)
 }
 
 /// The most names that a message lists.
 const LISTED: usize = 8;
 
-/// What the beginning of an array says (NumPy's format 1, 2 and 3).
+/// Returns the length of the header as the beginning of an array states it (NumPy's format 1, 2 and 3).
 fn header_bytes(bytes: &[u8]) -> usize {
     match bytes {
         [_, _, _, _, _, _, 1, _, a, b, ..] => usize::from(u16::from_le_bytes([*a, *b])),
@@ -89,17 +98,17 @@ impl Array {
         self.file.shape()
     }
 
-    pub(super) fn wrong(&self, reason: &str) -> FrameImportError {
+    pub(super) fn wrong(&self, reason: &str) -> FramesError {
         FileError::content(&self.path, format!("the array {} {reason}", self.name)).into()
     }
 
-    pub(super) fn wrong_shape(&self, wanted: &str) -> FrameImportError {
+    pub(super) fn wrong_shape(&self, wanted: &str) -> FramesError {
         let shape: Vec<String> = self.shape().iter().map(u64::to_string).collect();
         self.wrong(&format!("is {} and must be {wanted}", shape.join("×")))
     }
 
-    /// The array's numbers, of the kind `T`; check its shape first.
-    pub(super) fn numbers<T: Deserialize>(self, wanted: &str) -> Result<Vec<T>, FrameImportError> {
+    /// Reads the numbers, of the type `T`, which errors call `wanted`; check the shape first.
+    pub(super) fn numbers<T: Deserialize>(self, wanted: &str) -> Result<Vec<T>, FramesError> {
         let kind = self.file.dtype().descr();
         let Self { path, name, file } = self;
         let wrong = |reason: String| FileError::content(&path, format!("the array {name} {reason}"));
@@ -107,11 +116,11 @@ impl Array {
             .data()
             .map_err(|_| wrong(format!("holds {kind} and must hold {wanted}")))?;
         let all: std::io::Result<Vec<T>> = numbers.collect();
-        Ok(all.map_err(|e| wrong(format!("is damaged ({e}): save it again")))?)
+        Ok(all.map_err(|e| wrong(damaged(&e)))?)
     }
 
-    /// 32- or 64-bit.
-    pub(super) fn reals(self) -> Result<Vec<f64>, FrameImportError> {
+    /// Reads floating-point numbers of 32 or 64 bits.
+    pub(super) fn reals(self) -> Result<Vec<f64>, FramesError> {
         if f32::reader(&self.file.dtype()).is_ok() {
             let numbers = self.numbers::<f32>("")?;
             return Ok(numbers.into_iter().map(f64::from).collect());

@@ -1,13 +1,13 @@
-//! Whether the photos of a view show the colours that they are said to show.
+//! Check that the photos of a view show the colours that they are said to show.
 
 use image::{GrayImage, RgbImage};
 
 use crate::light;
 
-/// Colours whose luminances differ by less may look alike: by what stands around the model, and by the camera.
+/// Least difference of luminances of colours that must not look alike; below, surroundings and camera may decide.
 const LEAST: f64 = 0.05;
 
-/// True unless a lighter colour looks darker than another one, or the same. Each image comes with its colour, 8-bit sRGB of the paint's reflectance;
+/// Returns true unless a lighter colour looks darker than another one, or the same. Each image comes with its colour, 8-bit sRGB of the paint's reflectance;
 /// all are of one view and exposure.
 pub fn is_in_order(images: &[([u8; 3], &RgbImage)], paint: &GrayImage) -> bool {
     let shade = |(flat_rgb, image): &([u8; 3], &RgbImage)| (luminance(*flat_rgb), mean_luminance(image, paint));
@@ -24,7 +24,7 @@ fn luminance(rgb: [u8; 3]) -> f64 {
     light::luminance(light::linear_of(rgb))
 }
 
-/// The mean luminance of the paint, weighted by how much of a pixel it covers.
+/// Returns the mean luminance of the paint, weighted by how much of a pixel it covers.
 fn mean_luminance(image: &RgbImage, paint: &GrayImage) -> f64 {
     let (mut sum, mut covered) = (0.0, 0.0);
     for (pixel, share) in image.pixels().zip(paint.pixels()) {

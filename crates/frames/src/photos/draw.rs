@@ -3,19 +3,39 @@
 use image::{GrayImage, Luma, Rgb, RgbImage};
 use nalgebra::Point3;
 
+use super::located::FlatPhoto;
 use super::views::PhotosOfView;
-use super::{FACTOR, FlatPhoto, PhotoFramesRequest, PhotosError};
-use crate::drawn::{DrawnMesh, level, number, seen_box};
+use crate::drawn::{DrawnMesh, clip_box, level, side_number};
 use crate::raster::{Raster, outline, ray};
-use crate::{Pinhole, light, reduced, require};
+use crate::{FramesError, Pinhole, light, reduced};
 use scaleproof_core::geometry::BoxPx;
+use scaleproof_core::message::ensure;
 use scaleproof_photo::Photo;
+use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::world_aligned::Side;
 
-/// Light from here up (level 253.7) was brighter, or may have been.
+/// Samples of the surface along each side of a pixel.
+pub const FACTOR: u32 = 3;
+
+/// The settings of frames from photos.
+#[derive(Debug, Clone)]
+pub struct PhotoFramesRequest {
+    pub mesh: Mesh,
+    /// Indices of the materials that are the paint; all when empty.
+    pub materials: Vec<usize>,
+    pub target_mm: Point3<f64>,
+    /// Colours of the paint, 8-bit sRGB of its reflectance. Every view has all of them.
+    pub flats: Vec<[u8; 3]>,
+    /// Width of the frames, px.
+    pub width_px: u32,
+    /// The command that makes the frames.
+    pub made_by: String,
+}
+
+/// Light that may have been clipped: level 253.7 and more.
 const CLIPPED: f64 = 0.99;
 
-/// What all views of a folder share.
+/// The request, and what all views of a folder have in common.
 pub(super) struct Canvas<'a> {
     pub request: &'a PhotoFramesRequest,
     pub size_px: [u32; 2],
@@ -42,8 +62,8 @@ struct Source<'a> {
 }
 
 impl Canvas<'_> {
-    /// `None` when the model is partly behind a camera.
-    pub(super) fn draw(&self, view: &PhotosOfView) -> Result<Option<ViewImages>, PhotosError> {
+    /// Draws a view in every colour; `None` when the model is partly behind a camera.
+    pub(super) fn draw(&self, view: &PhotosOfView) -> Result<Option<ViewImages>, FramesError> {
         let fine = self.size_px.map(|px| (px * FACTOR) as usize);
         let pinhole = self.pinhole.finer(FACTOR);
         let (mesh, reference) = (&self.request.mesh, view.reference);
@@ -69,7 +89,7 @@ impl Canvas<'_> {
             for x in 0..fine[0] as i64 {
                 let pixel = reference.camera.project(&ray(&pinhole, [x as f64, y as f64]));
                 // The frame lies inside the photo; only rounding can leave it.
-                let light = pixel.and_then(|p| own.at(p)).unwrap_or_default();
+                let light = pixel.and_then(|p| own.sample(p)).unwrap_or_default();
                 let hit = raster.at(x, y);
                 let paint = hit.and_then(|hit| {
                     let side = self.sides[hit.triangle]?;
@@ -84,7 +104,7 @@ impl Canvas<'_> {
         Ok(Some(sums.finished(around)))
     }
 
-    /// The light of a surface point, at the reference's exposure; `None` where the photo does not see it, or something else a place away, and
+    /// Returns the light of a surface point, at the reference's exposure; `None` where the photo does not see it, or something else a place away, and
     /// where clipped light would pass for a tone.
     fn look_up(&self, source: &Source, point: &Point3<f64>, triangle: usize, centre: &Point3<f64>) -> Option<[f64; 3]> {
         let is_paint = |triangle: usize| self.sides[triangle].is_some();
@@ -92,19 +112,20 @@ impl Canvas<'_> {
             return None;
         }
         let pixel = source.photo.camera.project(&(source.photo.pose * point))?;
-        let light = source.light.at(pixel)?;
+        let light = source.light.sample(pixel)?;
         let is_clipped = (0..3).any(|c| light[c] > CLIPPED && source.gain[c] < 1.0);
         (!is_clipped).then(|| std::array::from_fn(|c| source.gain[c] * light[c]))
     }
 
-    /// A photo, reduced to no less than the finer image's resolution.
-    fn light(&self, photo: &FlatPhoto) -> Result<LightImage, PhotosError> {
+    /// Reads a photo in linear light, reduced to no less than the finer image's resolution.
+    fn light(&self, photo: &FlatPhoto) -> Result<LightImage, FramesError> {
         let decoded = Photo::open(&photo.file)?;
         let (width, height) = (photo.camera.width, photo.camera.height);
-        require((decoded.width, decoded.height) == (width, height), || {
-            let photo = photo.file.clone();
-            PhotosError::Changed { photo }
-        })?;
+        ensure!(
+            (decoded.width, decoded.height) == (width, height),
+            "{} is of another size than it was a moment ago: leave the photos as they are",
+            photo.file.display()
+        );
         let reduction = photo.camera.fx.min(photo.camera.fy) / self.pinhole.finer(FACTOR).focal_length_px;
         Ok(LightImage::new(
             &decoded.rgb(1)?,
@@ -124,7 +145,7 @@ struct Sums {
     sides: Vec<u8>,
 }
 
-/// Places in a pixel, and the reference photo's light from those that are not in [`Sums::paint`].
+/// Counts of places in a pixel, and the reference photo's light from those that are not in [`Sums::paint`].
 #[derive(Clone, Copy, Default)]
 struct Pixel {
     object: u32,
@@ -135,7 +156,7 @@ struct Pixel {
 }
 
 impl Pixel {
-    /// Paint in the mask: what is hidden looks like the paint that is seen in the same pixel.
+    /// Returns the places of paint in the mask: what is hidden looks like the paint that is seen in the same pixel.
     fn painted(&self) -> u32 {
         if self.seen > 0 { self.seen + self.hidden } else { 0 }
     }
@@ -176,7 +197,7 @@ impl Sums {
                 pixel.seen += 1;
                 let fine = y * self.size_px[0] * factor + x;
                 self.positions[fine] = point.coords.into();
-                self.sides[fine] = number(side);
+                self.sides[fine] = side_number(side);
                 for (image, light) in self.paint.iter_mut().zip(&lights) {
                     add(&mut image[index], light, 1.0);
                 }
@@ -184,7 +205,7 @@ impl Sums {
         }
     }
 
-    /// A pixel's mean light in a colour; 0 is the reference.
+    /// Returns a pixel's mean light in a colour; 0 is the reference.
     fn light(&self, index: usize, colour: usize) -> [f64; 3] {
         let pixel = &self.pixels[index];
         let mut sum = pixel.rest;
@@ -196,7 +217,7 @@ impl Sums {
         sum.map(|v| v / f64::from(FACTOR * FACTOR))
     }
 
-    /// The mean light of the paint that is seen in a pixel, else in its neighbours; without it, edges would be lined in the reference's colour.
+    /// Returns the mean light of the paint that is seen in a pixel, else in its neighbours; without it, edges would be lined in the reference's colour.
     fn paint_about(&self, index: usize, colour: usize) -> Option<[f64; 3]> {
         let [width, height] = self.size_px;
         let (x, y) = (index % width, index / width);
@@ -214,7 +235,7 @@ impl Sums {
         mean(0).or_else(|| mean(1))
     }
 
-    /// `around`: the mesh's projected corners, from the middle of the first pixel.
+    /// Returns masks and images; `around` is the box of the mesh's projected corners, from the middle of the first pixel.
     fn finished(self, around: Option<BoxPx>) -> ViewImages {
         let [width, height] = self.size_px.map(|px| px as u32);
         let index = |x: u32, y: u32| (y * width + x) as usize;
@@ -235,7 +256,7 @@ impl Sums {
                 paint_mask: mask(Pixel::painted),
                 positions: self.positions,
                 sides: GrayImage::from_raw(width * FACTOR, height * FACTOR, self.sides).unwrap_or_default(),
-                box_xyxy_px: around.and_then(|b| seen_box(&b, [width, height])),
+                box_xyxy_px: around.and_then(|b| clip_box(&b, [width, height])),
             },
             kept,
         }
@@ -248,7 +269,7 @@ struct LightImage {
     height: usize,
     /// Width and height of the photo, px.
     photo: [f64; 2],
-    /// A pixel here is so many of the photo's pixels wide and high.
+    /// Width and height of a pixel here, in pixels of the photo.
     reduction: usize,
     pixels: Vec<[f32; 3]>,
 }
@@ -268,8 +289,8 @@ impl LightImage {
         }
     }
 
-    /// The light at a pixel of the photo, bilinear; `None` outside the image.
-    fn at(&self, pixel: [f64; 2]) -> Option<[f64; 3]> {
+    /// Samples the light at a pixel of the photo, bilinear; `None` outside the image.
+    fn sample(&self, pixel: [f64; 2]) -> Option<[f64; 3]> {
         if (0..2).any(|i| !(-0.5..=self.photo[i] - 0.5).contains(&pixel[i])) {
             return None;
         }
@@ -286,7 +307,7 @@ impl LightImage {
     }
 }
 
-/// The two pixels about a place on one axis, and the second one's share.
+/// Returns the two pixels about a place on one axis, and the second one's share.
 fn neighbours(place: f64, size: usize) -> (usize, usize, f64) {
     let place = place.clamp(0.0, (size - 1) as f64);
     let first = place as usize;

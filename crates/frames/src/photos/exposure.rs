@@ -1,49 +1,32 @@
 //! One photo brought to the exposure and white balance of another: the tags' white paper is the same in both.
 
-use super::{FlatPhoto, TagPaper};
-use crate::{light, require};
+use super::located::{FlatPhoto, TagPaper};
+use crate::light;
+use scaleproof_core::message::{Message, bail, ensure};
 use scaleproof_core::statistics::median;
 
-/// Paper this bright (8-bit level) may have been brighter.
+/// 8-bit level from which paper may be clipped.
 const CLIPPED: f64 = 250.0;
-/// Below, one level is more than 4 % of the light.
+/// Darkest 8-bit level: below, one level is more than 4 % of the light.
 const DARK: f64 = 60.0;
 /// The fewest tags that must show their paper in both photos.
 const LEAST_TAGS: usize = 2;
-/// Tags whose paper changed by more than this from the median, as the median over the tags: the light itself changed.
+/// Largest median deviation of the tags' log factors from their median; beyond it the light itself changed.
 const MOST_SPREAD: f64 = 0.1;
 
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum Unmatched {
-    #[error(
-        "it shares {count} located tags with {reference}, and needs {least} for its exposure: let the same tags be seen",
-        least = LEAST_TAGS
-    )]
-    FewTags { count: usize, reference: String },
-    #[error(
-        "the white paper of the tags is clipped (level {from} and more) in {0}, so its exposure is not known: expose so that the paper keeps a tone",
-        from = CLIPPED
-    )]
-    Clipped(String),
-    #[error("the white paper of the tags is too dark (below level {least}) in {0}: expose longer", least = DARK)]
-    Dark(String),
-    #[error(
-        "the tags' paper does not change by one factor from {reference} (±{percent:.0} %): the light moved between the photos, or a shadow did"
-    )]
-    Light { reference: String, percent: f64 },
-}
-
-/// The factor for each channel's linear light that brings a photo to the exposure of the reference: the median over the tags.
-pub fn gain(photo: &FlatPhoto, reference: &FlatPhoto) -> Result<[f64; 3], Unmatched> {
+/// Returns the factor for each channel's linear light that brings a photo to the exposure of the reference: the median over the tags.
+pub fn gain(photo: &FlatPhoto, reference: &FlatPhoto) -> Result<[f64; 3], Message> {
     let of_both = photo.papers.iter().filter_map(|paper| {
         let same = |p: &&TagPaper| (p.family, p.id) == (paper.family, paper.id);
         Some((paper, reference.papers.iter().find(same)?))
     });
     let pairs: Vec<(&TagPaper, &TagPaper)> = of_both.collect();
-    require(pairs.len() >= LEAST_TAGS, || Unmatched::FewTags {
-        count: pairs.len(),
-        reference: reference.name(),
-    })?;
+    ensure!(
+        pairs.len() >= LEAST_TAGS,
+        "it shares {} located tags with {}, and needs {LEAST_TAGS} for its exposure: let the same tags be seen",
+        pairs.len(),
+        reference.name()
+    );
     let kept: Vec<_> = pairs.iter().filter(|(a, b)| a.is_fine() && b.is_fine()).collect();
     if kept.len() < LEAST_TAGS {
         let fine = |of: fn(&(&TagPaper, &TagPaper)) -> bool| pairs.iter().filter(|pair| of(pair)).count();
@@ -51,12 +34,13 @@ pub fn gain(photo: &FlatPhoto, reference: &FlatPhoto) -> Result<[f64; 3], Unmatc
         let photo = if own { photo } else { reference };
         let is_clipped = photo.papers.iter().any(|p| p.highest() >= CLIPPED);
         let photo = photo.name();
-        let of_photo = if is_clipped {
-            Unmatched::Clipped
-        } else {
-            Unmatched::Dark
-        };
-        return Err(of_photo(photo));
+        if is_clipped {
+            bail!(
+                "the white paper of the tags is clipped (level {CLIPPED} and more) in {photo}, so its exposure is not known: expose so that the paper \
+                 keeps a tone"
+            );
+        }
+        bail!("the white paper of the tags is too dark (below level {DARK}) in {photo}: expose longer");
     }
     let mut gain = [1.0; 3];
     for (channel, gain) in gain.iter_mut().enumerate() {
@@ -65,10 +49,12 @@ pub fn gain(photo: &FlatPhoto, reference: &FlatPhoto) -> Result<[f64; 3], Unmatc
         let middle = median(&logs).unwrap_or(0.0);
         let off: Vec<f64> = logs.iter().map(|log| (log - middle).abs()).collect();
         let spread = median(&off).unwrap_or(0.0);
-        require(spread <= MOST_SPREAD, || Unmatched::Light {
-            reference: reference.name(),
-            percent: 100.0 * spread,
-        })?;
+        ensure!(
+            spread <= MOST_SPREAD,
+            "the tags' paper does not change by one factor from {} (±{:.0} %): the light moved between the photos, or a shadow did",
+            reference.name(),
+            100.0 * spread
+        );
         *gain = middle.exp();
     }
     Ok(gain)

@@ -10,95 +10,30 @@
 //! from beside it has strayed in, looks like the paint beside it in the same pixel. Where that pixel has none it is taken out of the mask, and looks
 //! like the neighbours' paint, or else as in the reference photo.
 
-pub mod contrast;
-mod draw;
-pub mod exposure;
-mod pinhole;
-pub mod sessions;
-pub mod views;
+pub mod contrast; // whether photos show the colours that they are said to show
+mod draw; // the settings, and the images of one view
+mod exposure; // a photo brought to the exposure of another
+mod located; // located photos, and those that make no frames
+mod pinhole; // the pinhole camera inside the images of a camera
+pub mod sessions; // photos of sessions, located by their tags
+mod views; // photos of one place and bin, one in each colour
+
+pub use draw::{FACTOR, PhotoFramesRequest};
+pub use located::{FlatPhoto, LeftOutPhoto, TagPaper};
 
 use std::path::{Path, PathBuf};
 
-use nalgebra::{Point3, Vector3};
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::drawn::paint_sides;
-use crate::{Frame, FrameList, FramePaint, FramesError, Pinhole, Positions, encode_rgb, light, require};
+use crate::{Frame, FrameList, FramePaint, FramesError, Pinhole, Positions, encode_rgb, light};
 use draw::Canvas;
-use scaleproof_core::geometry::Rigid;
+use scaleproof_core::message::{ensure, message};
 use scaleproof_core::workers;
-use scaleproof_photo::PhotoError;
-use scaleproof_pose::camera::Camera;
-use scaleproof_pose::scene::{Bin, TagFamily};
-use scaleproof_surface::mesh::Mesh;
 use views::PhotosOfView;
 
-/// Places along each side of a pixel at which the surface is looked at.
-pub const FACTOR: u32 = 3;
-
-/// Why there are no frames.
-#[derive(Debug, thiserror::Error)]
-pub enum PhotosError {
-    #[error(transparent)]
-    Photo(#[from] PhotoError),
-    #[error(transparent)]
-    Frames(#[from] FramesError),
-    #[error("{photo} is of another size than it was a moment ago: leave the photos as they are")]
-    Changed { photo: PathBuf },
-    #[error("no pinhole camera of {width}×{height} px lies inside the images of the camera; calibrate it again")]
-    NoPinhole { width: u32, height: u32 },
-    #[error("the mesh has no triangles of the paint's materials")]
-    NoPaint,
-}
-
-/// The white paper of a tag in a photo.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TagPaper {
-    pub family: TagFamily,
-    pub id: u32,
-    /// 8-bit level of each channel.
-    pub level: [f64; 3],
-}
-
-/// A located photo of the model in a flat colour.
-#[derive(Debug, Clone)]
-pub struct FlatPhoto {
-    pub file: PathBuf,
-    /// 8-bit sRGB of the paint's reflectance.
-    pub flat_rgb: [u8; 3],
-    pub place: String,
-    pub bin: Bin,
-    pub camera: Camera,
-    /// `T_camera_model`.
-    pub pose: Rigid,
-    pub papers: Vec<TagPaper>,
-}
-
-/// What frames are made of, besides the photos.
-#[derive(Debug, Clone)]
-pub struct PhotoFramesRequest {
-    pub mesh: Mesh,
-    /// Indices of the materials that are the paint; all when empty.
-    pub materials: Vec<usize>,
-    pub target_mm: Point3<f64>,
-    /// Every view has all of them.
-    pub flats: Vec<[u8; 3]>,
-    /// Width of the frames.
-    pub width_px: u32,
-    /// How the frames say they were made.
-    pub made_by: String,
-}
-
-/// A photo or view that makes no frames, and why.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-#[schemars(rename = "LeftOut")]
-pub struct LeftOutPhoto {
-    pub what: String,
-    pub reason: String,
-}
-
-/// A view that became frames.
+/// View that became frames.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct FramedView {
     pub name: String,
@@ -109,7 +44,7 @@ pub struct FramedView {
     pub paint_seen_by_all: f64,
 }
 
-/// Another photo of a view.
+/// Photo of a view that is mapped onto its reference.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct MappedPhoto {
     pub photo: String,
@@ -119,44 +54,13 @@ pub struct MappedPhoto {
     pub light_factors: [f64; 3],
 }
 
-/// Frames that are not yet written.
+/// Frames from photos that are not yet written.
 #[derive(Debug, Default)]
 pub struct PhotoFrames {
     pub files: Vec<(PathBuf, Vec<u8>)>,
     pub frames: usize,
     pub views: Vec<FramedView>,
     pub left_out: Vec<LeftOutPhoto>,
-}
-
-impl LeftOutPhoto {
-    pub fn new(what: String, reason: impl Into<String>) -> Self {
-        let reason = reason.into();
-        Self { what, reason }
-    }
-}
-
-impl FlatPhoto {
-    pub fn name(&self) -> String {
-        self.file.file_name().unwrap_or_default().to_string_lossy().into_owned()
-    }
-
-    fn centre_mm(&self) -> Point3<f64> {
-        self.pose.inverse_transform_point(&Point3::origin())
-    }
-
-    /// The vector from a point to the camera, model frame.
-    fn from(&self, target_mm: Point3<f64>) -> Vector3<f64> {
-        self.centre_mm() - target_mm
-    }
-
-    /// How people call the view it belongs to.
-    fn view_name(&self) -> String {
-        let b = &self.bin;
-        format!(
-            "the view at {}, {}°/{}°/{} mm",
-            self.place, b.azimuth_deg, b.pitch_deg, b.distance_mm
-        )
-    }
 }
 
 /// Makes frames for a folder, without writing them; no files where no view has every colour. `on_view` is called after each view, with how many
@@ -166,7 +70,7 @@ pub fn make(
     photos: &[FlatPhoto],
     folder: &Path,
     on_view: impl Fn(usize) + Sync,
-) -> Result<PhotoFrames, PhotosError> {
+) -> Result<PhotoFrames, FramesError> {
     let mut made = PhotoFrames::default();
     let Some(first) = photos.first() else {
         return Ok(made);
@@ -179,12 +83,14 @@ pub fn make(
         pinhole: shared,
         sides: paint_sides(&request.mesh, &request.materials),
     };
-    require(canvas.sides.iter().any(Option::is_some), || PhotosError::NoPaint)?;
+    let has_paint = canvas.sides.iter().any(Option::is_some);
+    ensure!(has_paint, "the mesh has no triangles of the paint's materials");
     let (views, without) = views::views(&photos, &request.flats, request.target_mm);
     made.left_out = left_out.into_iter().chain(without).collect();
     let (count, positions) = (views.len(), Positions::around(&request.mesh, FACTOR));
     let numbered: Vec<(usize, &PhotosOfView)> = views.iter().enumerate().collect();
-    let draw = |(): &mut (), view: &(usize, &PhotosOfView)| images(&canvas, *view, &positions, folder);
+    let draw =
+        |(): &mut (), (number, view): &(usize, &PhotosOfView)| images(&canvas, *number, view, &positions, folder);
     let drawn = workers::map(&numbered, || Ok(()), draw, || on_view(count))?;
     let mut list = FrameList {
         positions: Some(positions),
@@ -209,14 +115,16 @@ pub fn make(
     Ok(made)
 }
 
-/// The pinhole inside all cameras' images, and the photos without those whose images are too different from the first one's.
+/// Finds the pinhole inside all cameras' images, and leaves out photos whose images are too different from the first one's.
 fn common_pinhole(
     photos: &[FlatPhoto],
     size_px: [u32; 2],
-) -> Result<(Pinhole, Vec<FlatPhoto>, Vec<LeftOutPhoto>), PhotosError> {
+) -> Result<(Pinhole, Vec<FlatPhoto>, Vec<LeftOutPhoto>), FramesError> {
     let [width, height] = size_px;
-    let none = PhotosError::NoPinhole { width, height };
-    let mut shared = pinhole::inside(&photos[0].camera, size_px).ok_or(none)?;
+    let none = || {
+        message!("no pinhole camera of {width}×{height} px lies inside the images of the camera; calibrate it again")
+    };
+    let mut shared = pinhole::inside(&photos[0].camera, size_px).ok_or_else(none)?;
     let (mut kept, mut left_out) = (Vec::new(), Vec::new());
     for photo in photos {
         match pinhole::longer(shared, &photo.camera, size_px) {
@@ -239,13 +147,14 @@ fn common_pinhole(
 /// The files and frames of a view.
 type Images = (Vec<(PathBuf, Vec<u8>)>, Vec<Frame>, FramedView);
 
-/// `Err` inside is why the view has no frames.
+/// Draws the frames of a view; the inner error is the reason why it has none.
 fn images(
     canvas: &Canvas,
-    (number, view): (usize, &PhotosOfView),
+    number: usize,
+    view: &PhotosOfView,
     positions: &Positions,
     folder: &Path,
-) -> Result<Result<Images, &'static str>, PhotosError> {
+) -> Result<Result<Images, &'static str>, FramesError> {
     let Some(drawn) = canvas.draw(view)? else {
         return Ok(Err("part of the model is behind a camera: step back"));
     };

@@ -1,17 +1,16 @@
 //! The one pinhole camera of frames made of photos.
 
 use crate::Pinhole;
+use crate::raster::ray;
 use scaleproof_pose::camera::Camera;
 
-use crate::raster::ray;
-
-/// The focal length grows in such steps until the frame lies inside the photo, and no further than this.
+/// Factor of the focal length in a step, until the frame lies inside the photo, and its largest factor in all.
 const STEP: f64 = 1.002;
 const MOST: f64 = 1.5;
-/// Places along each side of the frame that must lie in the photo.
+/// Places along each side of the frame that are checked.
 const PLACES: usize = 64;
 
-/// The pinhole of frames of this size that show nothing beyond the images of a camera: its lens without the distortion, and so much longer
+/// Finds the pinhole of frames of this size that show nothing beyond the images of a camera: its lens without the distortion, and so much longer
 /// that no corner of the frame is empty. `None` when there is none.
 pub(super) fn inside(camera: &Camera, size_px: [u32; 2]) -> Option<Pinhole> {
     let scale = f64::from(size_px[0]) / f64::from(camera.width);
@@ -23,7 +22,7 @@ pub(super) fn inside(camera: &Camera, size_px: [u32; 2]) -> Option<Pinhole> {
     longer(start, camera, size_px)
 }
 
-/// The pinhole `start`, its focal length made longer until frames of this size lie inside a camera's images; `None` when 1.5 times is too little.
+/// Makes the focal length of `start` longer until frames of this size lie inside a camera's images; `None` when 1.5 times is too little.
 pub(super) fn longer(start: Pinhole, camera: &Camera, size_px: [u32; 2]) -> Option<Pinhole> {
     let steps = (MOST.ln() / STEP.ln()) as i32;
     (0..=steps)
@@ -34,7 +33,7 @@ pub(super) fn longer(start: Pinhole, camera: &Camera, size_px: [u32; 2]) -> Opti
         .find(|pinhole| is_inside(pinhole, camera, size_px))
 }
 
-/// The frame's height for the camera's images.
+/// Returns the size of frames of this width with the aspect of the camera's images.
 pub(super) fn size_px(camera: &Camera, width_px: u32) -> [u32; 2] {
     let height = f64::from(width_px) * f64::from(camera.height) / f64::from(camera.width);
     [width_px, (height.round() as u32).max(1)]

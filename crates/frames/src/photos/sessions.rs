@@ -1,49 +1,26 @@
 //! Photos of sessions, located by their tags, in the flat colours of their variants.
 
 use std::collections::BTreeSet;
+use std::error::Error;
 
-use super::{FlatPhoto, LeftOutPhoto, TagPaper};
-use crate::require;
+use super::located::{FlatPhoto, LeftOutPhoto, TagPaper};
+use crate::FramesError;
+use scaleproof_core::message::{bail, ensure, message};
 use scaleproof_core::workers;
 use scaleproof_photo::Photo;
 use scaleproof_pose::locate::{Warning, locate_photo};
-use scaleproof_pose::tags::{StartError, TagDetector, TagDetectorChoice, paper_levels};
-use scaleproof_session::envelope::{self, EnvelopeError};
-use scaleproof_session::{PhotoEntry, Session, SessionError};
+use scaleproof_pose::tags::{TagDetector, TagDetectorChoice, paper_levels};
+use scaleproof_session::{PhotoEntry, Session, envelope};
 use scaleproof_surface::mesh::Mesh;
 
-/// A variant and the colour it is painted in.
+/// Variant of a session with the flat colour that it is painted in.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlatVariant {
     pub variant: String,
     pub rgb: [u8; 3],
 }
 
-/// Why the photos of some sessions make no frames together.
-#[derive(Debug, thiserror::Error)]
-pub enum SessionsError {
-    #[error(transparent)]
-    Session(#[from] SessionError),
-    #[error(transparent)]
-    Mesh(#[from] EnvelopeError),
-    #[error(transparent)]
-    Tags(#[from] StartError),
-    #[error("give a session")]
-    None,
-    #[error(
-        "the scene of {session} names no mesh, through which photos are mapped onto each other: give its [model] envelope = \"mesh\" and mesh = \
-         \"FILE\""
-    )]
-    NoMesh { session: String },
-    #[error("the scene of {session} has no tags, and a viewpoint alone is no pose: photos are located by their tags")]
-    NoTags { session: String },
-    #[error("{first} and {second} have different models: make frames of each by itself")]
-    OtherModel { first: String, second: String },
-    #[error("no photo has the variant '{variant}'; the variants are {known}")]
-    NoVariant { variant: String, known: String },
-}
-
-/// The photos with a pose, those without one, and what to know before believing the poses.
+/// Photos with a pose, those without one, and cautions about the poses.
 #[derive(Debug, Default)]
 pub struct LocatedPhotos {
     pub photos: Vec<FlatPhoto>,
@@ -51,43 +28,55 @@ pub struct LocatedPhotos {
     pub notes: BTreeSet<String>,
 }
 
-/// The mesh that all scenes name.
-pub fn common_mesh(sessions: &[Session]) -> Result<Mesh, SessionsError> {
+/// Loads the mesh that all scenes name.
+pub fn common_mesh(sessions: &[Session]) -> Result<Mesh, FramesError> {
     let mut common: Option<(&Session, Mesh)> = None;
     for session in sessions {
-        let name = || session.name.clone();
-        let no_mesh = || SessionsError::NoMesh { session: name() };
+        let name = &session.name;
+        let no_mesh = || {
+            message!(
+                "the scene of {name} names no mesh, through which photos are mapped onto each other: give its [model] envelope = \"mesh\" and mesh = \
+                 \"FILE\""
+            )
+        };
         let path = session.mesh_path.as_ref().ok_or_else(no_mesh)?;
         session.known_camera()?;
-        let no_tags = || SessionsError::NoTags { session: name() };
-        require(!session.scene.tags.is_empty(), no_tags)?;
+        ensure!(
+            !session.scene.tags.is_empty(),
+            "the scene of {name} has no tags, and a viewpoint alone is no pose: photos are located by their tags"
+        );
         let mesh = envelope::load(path, &session.scene.model)?;
         let (first, known) = common.get_or_insert_with(|| (session, mesh.clone()));
         let is_same = *known == mesh && first.scene.model.size_mm == session.scene.model.size_mm;
-        require(is_same, || SessionsError::OtherModel {
-            first: first.name.clone(),
-            second: name(),
-        })?;
+        ensure!(
+            is_same,
+            "{} and {name} have different models: make frames of each by itself",
+            first.name
+        );
     }
-    common.map(|(_, mesh)| mesh).ok_or(SessionsError::None)
+    Ok(common.map(|(_, mesh)| mesh).ok_or_else(|| message!("give a session"))?)
 }
 
+/// Lists the variants of all photos.
 pub fn variants(sessions: &[Session]) -> BTreeSet<&str> {
     let photos = sessions.iter().flat_map(|s| &s.photos);
     photos.map(|p| p.variant.as_str()).collect()
 }
 
-pub fn check_variants(flats: &[FlatVariant], sessions: &[Session]) -> Result<(), SessionsError> {
+/// Checks that every variant has photos.
+pub fn check_variants(flats: &[FlatVariant], sessions: &[Session]) -> Result<(), FramesError> {
     let known = variants(sessions);
     let unknown = flats.iter().find(|flat| !known.contains(flat.variant.as_str()));
     unknown.map_or(Ok(()), |flat| {
-        let (variant, known) = (flat.variant.clone(), Vec::from_iter(known).join(", "));
-        Err(SessionsError::NoVariant { variant, known })
+        let (variant, known) = (&flat.variant, Vec::from_iter(known).join(", "));
+        bail!("no photo has the variant '{variant}'; the variants are {known}")
     })
 }
 
+/// Photo of a session and the flat colour of its variant.
 pub type ColouredEntry<'a> = (&'a Session, &'a PhotoEntry, [u8; 3]);
 
+/// Lists the photos in one of the colours.
 pub fn of_flats<'a>(sessions: &'a [Session], flats: &[FlatVariant]) -> Vec<ColouredEntry<'a>> {
     let of_session = |session: &'a Session| {
         session.photos.iter().filter_map(move |entry| {
@@ -103,7 +92,7 @@ pub fn locate_flats(
     sessions: &[Session],
     flats: &[FlatVariant],
     on_photo: impl Fn() + Sync,
-) -> Result<LocatedPhotos, SessionsError> {
+) -> Result<LocatedPhotos, FramesError> {
     let entries = of_flats(sessions, flats);
     let families: BTreeSet<_> = sessions.iter().flat_map(|s| s.scene.families()).collect();
     let families: Vec<_> = families.into_iter().collect();
@@ -122,24 +111,24 @@ pub fn locate_flats(
     Ok(located)
 }
 
-/// A photo with its pose and its cautions, or why it is left out.
+/// Locates a photo: returns it with its pose and cautions, or why it is left out.
 fn flat_photo(
     (session, entry, rgb): &ColouredEntry,
     tags: &mut dyn TagDetector,
-) -> Result<(FlatPhoto, Vec<String>), String> {
+) -> Result<(FlatPhoto, Vec<String>), Box<dyn Error + Send + Sync>> {
     let file = session.photo_path(entry);
-    let photo = Photo::open(&file).map_err(|e| e.to_string())?;
-    let camera = session.known_camera().map_err(|e| e.to_string())?;
-    let found = locate_photo(&photo, &session.scene, camera, tags).map_err(|e| e.to_string())?;
+    let photo = Photo::open(&file)?;
+    let camera = session.known_camera()?;
+    let found = locate_photo(&photo, &session.scene, camera, tags)?;
     let seen = found.seen.clone();
-    let (located, fitted) = found.pose_and_camera().map_err(|e| e.to_string())?;
+    let (located, fitted) = found.pose_and_camera()?;
     if located.warnings.contains(&Warning::PoorFit) {
-        return Err(format!(
+        bail!(
             "its tags fit badly (off by {:.1} px), so that the paint would not lie where it is: was a card moved, or is this another camera?",
             located.rms_px
-        ));
+        );
     }
-    let image = photo.rgb(1).map_err(|e| e.to_string())?;
+    let image = photo.rgb(1)?;
     let trusted = |id: u32| located.tags.contains(&id);
     let papers = seen.iter().zip(paper_levels(&image, &seen)).filter_map(|(tag, level)| {
         (tag.is_whole && trusted(tag.id)).then_some(TagPaper {

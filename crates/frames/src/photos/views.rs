@@ -3,20 +3,21 @@
 use nalgebra::Point3;
 
 use super::exposure;
-use super::{FlatPhoto, LeftOutPhoto};
-use crate::{light, require};
+use super::located::{FlatPhoto, LeftOutPhoto};
+use crate::light;
+use scaleproof_core::message::{Message, bail, ensure, message};
 use scaleproof_pose::scene::Bin;
 
-/// Photos of one view may differ by this angle, as the model sees the cameras: gloss and what is hidden change with it.
-pub const MOST_TURN_DEG: f64 = 6.0;
-/// Photos of one view may differ by this much in their distance to the target.
-pub const MOST_CLOSER_PERCENT: f64 = 15.0;
+/// Largest angle between two cameras of a view, as the target sees them: gloss and what is hidden change with it.
+const MOST_TURN_DEG: f64 = 6.0;
+/// Largest difference of distances to the target within a view.
+const MOST_CLOSER_PERCENT: f64 = 15.0;
 
-/// A photo that is brought to the reference's place and exposure.
+/// Photo of a view with the way to the reference's exposure.
 #[derive(Debug, Clone)]
 pub struct Other<'a> {
     pub photo: &'a FlatPhoto,
-    /// Per channel of linear light.
+    /// Factor of each channel's linear light.
     pub gain: [f64; 3],
     pub turn_deg: f64,
 }
@@ -27,7 +28,7 @@ pub struct PhotosOfView<'a> {
     pub others: Vec<Other<'a>>,
 }
 
-/// The views, in the order of their place and bin, and the groups of photos that make none. A view has every colour.
+/// Groups photos to views, in the order of their place and bin, and lists the groups that make none. A view has every colour.
 pub fn views<'a>(
     photos: &'a [FlatPhoto],
     flats: &[[u8; 3]],
@@ -47,14 +48,11 @@ pub fn views<'a>(
     (found, left_out)
 }
 
-/// The most central photo that has all others near it is the reference; without one, the reason.
-fn best<'a>(group: &[&'a FlatPhoto], flats: &[[u8; 3]], target_mm: Point3<f64>) -> Result<PhotosOfView<'a>, String> {
-    let missing = |rgb: [u8; 3]| {
-        let colour = light::to_hex(rgb);
-        format!("it has no located photo in {colour}: take one, or leave the colour out")
-    };
+/// Makes a view of a group, with the most central photo that has all others near it as the reference; fails with the reason.
+fn best<'a>(group: &[&'a FlatPhoto], flats: &[[u8; 3]], target_mm: Point3<f64>) -> Result<PhotosOfView<'a>, Message> {
     if let Some(rgb) = flats.iter().find(|rgb| !group.iter().any(|s| s.flat_rgb == **rgb)) {
-        return Err(missing(*rgb));
+        let colour = light::to_hex(*rgb);
+        bail!("it has no located photo in {colour}: take one, or leave the colour out");
     }
     let mut candidates: Vec<(f64, &FlatPhoto, Vec<&FlatPhoto>)> = Vec::new();
     for reference in group {
@@ -71,10 +69,10 @@ fn best<'a>(group: &[&'a FlatPhoto], flats: &[[u8; 3]], target_mm: Point3<f64>) 
         }
     }
     // There is a photo of every colour, so there was a candidate.
-    Err(first_reason.unwrap_or_default())
+    Err(first_reason.unwrap_or_else(|| message!("")))
 }
 
-/// The photo of every other colour that was taken nearest to the reference, in the order of the colours.
+/// Finds the photo of every other colour that was taken nearest to the reference, in the order of the colours.
 fn nearest<'a>(
     group: &[&'a FlatPhoto],
     reference: &FlatPhoto,
@@ -95,30 +93,28 @@ fn matched<'a>(
     reference: &'a FlatPhoto,
     others: &[&'a FlatPhoto],
     target_mm: Point3<f64>,
-) -> Result<PhotosOfView<'a>, String> {
+) -> Result<PhotosOfView<'a>, Message> {
     let with_gain = |photo: &&'a FlatPhoto| {
         let (name, to) = (photo.name(), reference.name());
         let turn_deg = turn_deg(photo, reference, target_mm);
-        require(turn_deg <= MOST_TURN_DEG, || {
-            format!(
-                "{name} was taken {turn_deg:.1}° aside from {to}, and {MOST_TURN_DEG}° is the most: take it nearer to there"
-            )
-        })?;
+        ensure!(
+            turn_deg <= MOST_TURN_DEG,
+            "{name} was taken {turn_deg:.1}° aside from {to}, and {MOST_TURN_DEG}° is the most: take it nearer to there"
+        );
         let (a, b) = (photo.from(target_mm).norm(), reference.from(target_mm).norm());
         let percent = 100.0 * (a.max(b) / a.min(b) - 1.0);
-        require(percent <= MOST_CLOSER_PERCENT, || {
-            format!(
-                "{name} was taken {percent:.0} % nearer or further than {to}, and {MOST_CLOSER_PERCENT} % is the most: take it again"
-            )
-        })?;
-        let gain = exposure::gain(photo, reference).map_err(|reason| format!("{name}: {reason}"))?;
+        ensure!(
+            percent <= MOST_CLOSER_PERCENT,
+            "{name} was taken {percent:.0} % nearer or further than {to}, and {MOST_CLOSER_PERCENT} % is the most: take it again"
+        );
+        let gain = exposure::gain(photo, reference).map_err(|reason| message!("{name}: {reason}"))?;
         Ok(Other { photo, gain, turn_deg })
     };
-    let others = others.iter().map(with_gain).collect::<Result<_, String>>()?;
+    let others = others.iter().map(with_gain).collect::<Result<_, Message>>()?;
     Ok(PhotosOfView { reference, others })
 }
 
-/// The angle between two cameras, as the target sees them.
+/// Returns the angle between two cameras, as the target sees them.
 fn turn_deg(a: &FlatPhoto, b: &FlatPhoto, target_mm: Point3<f64>) -> f64 {
     a.from(target_mm).angle(&b.from(target_mm)).to_degrees()
 }

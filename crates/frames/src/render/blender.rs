@@ -6,23 +6,25 @@ use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
-use super::RenderError;
+use crate::FramesError;
 use scaleproof_core::files::{self, FileError};
+use scaleproof_core::message::{bail, ensure};
 
 pub const SCRIPT: &str = include_str!("render_frames.py");
-/// The package and the versions the script is written for.
+/// Package and versions that the script is written for.
 const PACKAGE: &str = "bpy==4.5.*";
-/// The Python that package is built for.
+/// Version of Python that the package is built for.
 const PYTHON: &str = "3.11";
 
+/// Python with Blender's package.
 #[derive(Debug, Clone)]
 pub struct Python {
     program: String,
-    /// Where `bpy` was installed.
+    /// The folder with `bpy`.
     packages: PathBuf,
 }
 
-/// What the script says.
+/// Progress that the script reports.
 #[derive(Debug, Clone, PartialEq)]
 pub enum BlenderEvent {
     /// The masks and positions of this view are there.
@@ -32,17 +34,21 @@ pub enum BlenderEvent {
 }
 
 /// Finds Python 3.11 and, in `cache`, Blender; installs Blender there when it is missing, after it has called `say`.
-pub fn find(cache: &Path, say: impl FnOnce(&str)) -> Result<Python, RenderError> {
+pub fn find(cache: &Path, say: impl FnOnce(&str)) -> Result<Python, FramesError> {
     let program = files::environment::text("SCALEPROOF_PYTHON").unwrap_or_else(|| format!("python{PYTHON}"));
     let version = ["-c", "import sys; print('%d.%d' % sys.version_info[:2])"];
     let answer = Command::new(&program).args(version).output().ok();
     let Some(answer) = answer.filter(|o| o.status.success()) else {
-        return Err(RenderError::NoPython { program });
+        bail!(
+            "rendering needs Python 3.11, for which Blender's package bpy 4.5 is built, and `{program}` does not start; install it (on Debian: \
+             apt install python3.11), or name it with SCALEPROOF_PYTHON"
+        );
     };
     let version = String::from_utf8_lossy(&answer.stdout).trim().to_owned();
-    if version != PYTHON {
-        return Err(RenderError::OtherPython { program, version });
-    }
+    ensure!(
+        version == PYTHON,
+        "`{program}` is Python {version}, and Blender's package bpy 4.5 is built for 3.11; name a Python 3.11 with SCALEPROOF_PYTHON"
+    );
     let packages = cache.join("bpy-4.5");
     if !packages.is_dir() {
         say(&format!(
@@ -54,8 +60,8 @@ pub fn find(cache: &Path, say: impl FnOnce(&str)) -> Result<Python, RenderError>
     Ok(Python { program, packages })
 }
 
-/// Installs into a new folder, which is there only when it is whole.
-fn install(program: &str, packages: &Path) -> Result<(), RenderError> {
+/// Installs Blender into a new folder, which is there only when it is whole.
+fn install(program: &str, packages: &Path) -> Result<(), FramesError> {
     let mut complaint = None;
     let made = files::make_folder(packages, |inside| {
         let output = Command::new(program)
@@ -77,17 +83,20 @@ fn install(program: &str, packages: &Path) -> Result<(), RenderError> {
     });
     let command = format!("{program} -m pip install {PACKAGE}");
     match complaint {
-        Some(reason) => Err(RenderError::Install { command, reason }),
+        Some(reason) => bail!(
+            "Blender's Python package could not be installed: `{command}` said: {reason}; with a network, or with the wheel in a folder that \
+             PIP_FIND_LINKS names, run this again"
+        ),
         None => Ok(made?),
     }
 }
 
-/// Where the images of a folder, and what Blender says, lie until the images are whole.
+/// Returns the folder of Blender's raw images and log, below the folder of the frames.
 pub fn work_folder(folder: &Path) -> PathBuf {
     folder.join(".render")
 }
 
-/// What Blender said while it ran in a work folder.
+/// Returns the file of Blender's messages in a work folder.
 pub fn log(work: &Path) -> PathBuf {
     work.join("blender.log")
 }
@@ -98,14 +107,14 @@ pub fn run(
     python: &Python,
     plan: &Value,
     folder: &Path,
-    mut on_event: impl FnMut(BlenderEvent) -> Result<(), RenderError>,
-) -> Result<bool, RenderError> {
+    mut on_event: impl FnMut(BlenderEvent) -> Result<(), FramesError>,
+) -> Result<bool, FramesError> {
     let failed = |path: &Path| {
         let path = path.to_owned();
         move |e| FileError::write(&path, &e)
     };
     let work = &work_folder(folder);
-    emptied(folder, work)?;
+    empty_work_folder(folder, work)?;
     let [script, job] = ["render_frames.py", "plan.json"].map(|name| work.join(name));
     files::replace_atomically(folder, &job, plan.to_string().as_bytes())?;
     files::replace_atomically(folder, &script, SCRIPT.as_bytes())?;
@@ -118,7 +127,7 @@ pub fn run(
         .stderr(files::chosen::new_file(folder, &log(work))?)
         .spawn()
         .map_err(failed(&script))?;
-    let said = child.stdout.take().map(|out| follow(out, &mut on_event));
+    let said = child.stdout.take().map(|out| read_events(out, &mut on_event));
     if let Some(Err(problem)) = said {
         // It may have ended by itself already.
         let _ = child.kill();
@@ -129,7 +138,7 @@ pub fn run(
 }
 
 /// Makes the work folder, or takes what an earlier run left out of it: Blender would write through a link there.
-fn emptied(folder: &Path, work: &Path) -> Result<(), FileError> {
+fn empty_work_folder(folder: &Path, work: &Path) -> Result<(), FileError> {
     files::chosen::folder(folder, work)?;
     let unreadable = |e| FileError::read(work, &e);
     for entry in std::fs::read_dir(work).map_err(unreadable)? {
@@ -144,16 +153,16 @@ fn emptied(folder: &Path, work: &Path) -> Result<(), FileError> {
 }
 
 /// Reads the script's lines; those of Blender itself are passed over.
-pub fn follow(
+pub fn read_events(
     out: impl Read,
-    on_event: &mut impl FnMut(BlenderEvent) -> Result<(), RenderError>,
-) -> Result<(), RenderError> {
+    on_event: &mut impl FnMut(BlenderEvent) -> Result<(), FramesError>,
+) -> Result<(), FramesError> {
     for line in BufReader::new(out).split(b'\n').map_while(Result::ok) {
         let line = String::from_utf8_lossy(&line);
         match line.trim_end().split_once(' ') {
             Some(("geometry", view)) => on_event(BlenderEvent::Geometry(view.to_owned()))?,
             Some(("frame", name)) => on_event(BlenderEvent::Frame(name.to_owned()))?,
-            Some(("refused", sentence)) => return Err(RenderError::Refused(sentence.to_owned())),
+            Some(("refused", sentence)) => bail!("{sentence}"),
             _ => {}
         }
     }

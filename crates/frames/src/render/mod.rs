@@ -1,104 +1,33 @@
 //! Frames from Blender Cycles: any mesh, lights, viewpoints and paints.
 //!
-//! `plan.rs` decides everything, `render_frames.py` renders it, [`blender`] has the Python package `bpy`, and
-//! `collect.rs` makes frames of what comes out.
+//! `render_frames.py` renders what the plan states.
 
-pub mod blender;
-mod collect;
-mod light;
-mod plan;
-mod request;
+pub mod blender; // Blender as the Python package bpy: found or installed, and run
+mod collect; // frames from the values that the script writes
+mod light; // panoramas that light the model
+mod plan; // every decision about the pixels
+mod request; // the settings, and paints
 
 pub use collect::{srgb, triples};
 pub use light::Panorama;
 pub use plan::{Missing, PlannedFrame, RenderPlan};
 pub use request::{ROUGHNESS, RenderPaint, RenderRequest};
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::FramesError;
-use scaleproof_core::files::{self, FileError};
-use scaleproof_pose::scene::Viewpoint;
-
-/// Why nothing, or not everything, was rendered.
-#[derive(Debug, thiserror::Error)]
-pub enum RenderError {
-    #[error(transparent)]
-    File(#[from] FileError),
-    #[error(transparent)]
-    Frames(#[from] FramesError),
-    #[error("{what} cannot be {value}; give {wanted}")]
-    BadNumber {
-        what: &'static str,
-        value: f64,
-        wanted: &'static str,
-    },
-    #[error(
-        "light '{text}' is not understood; write one of Blender's (city, courtyard, forest, interior, night, studio, sunrise, sunset) or an .exr \
-         or .hdr file, and a turn from 0 up to 360 degrees if you like, as in forest@90"
-    )]
-    BadLight { text: String },
-    #[error("a light's file cannot be called {name:?}; rename it to letters, digits, '-', '_' and '.'")]
-    BadLightName { name: String },
-    #[error("nothing to render: give at least one {what}")]
-    Nothing { what: &'static str },
-    #[error("a pattern or texture cannot be called {name:?}; rename its file to plain letters and digits")]
-    BadName { name: String },
-    #[error("Blender cannot write below {folder}: give a folder whose path is UTF-8 text without a backslash")]
-    BadFolder { folder: PathBuf },
-    #[error("the frame {name} would be rendered twice; give each light, viewpoint and paint once")]
-    Twice { name: String },
-    #[error("the mesh has no triangles of the paint's materials")]
-    NoPaint,
-    #[error(
-        "the camera at azimuth {}°, pitch {}°, {} mm is not above the ground and outside the model; move it away",
-        .0.azimuth_deg, .0.pitch_deg, .0.distance_mm
-    )]
-    CameraInside(Viewpoint),
-    #[error(
-        "the model is not whole in the image at azimuth {}°, pitch {}°, {} mm, so it would be judged by a part; move the camera away, or widen the \
-         field of view",
-        .0.azimuth_deg, .0.pitch_deg, .0.distance_mm
-    )]
-    CutOff(Viewpoint),
-    #[error("{folder} holds frames of another render; give an empty folder, or the same arguments to go on")]
-    OtherRender { folder: PathBuf },
-    #[error(
-        "rendering needs Python 3.11, for which Blender's package bpy 4.5 is built, and `{program}` does not start; install it (on Debian: \
-             apt install python3.11), or name it with SCALEPROOF_PYTHON"
-    )]
-    NoPython { program: String },
-    #[error(
-        "`{program}` is Python {version}, and Blender's package bpy 4.5 is built for 3.11; name a Python 3.11 with SCALEPROOF_PYTHON"
-    )]
-    OtherPython { program: String, version: String },
-    #[error(
-        "Blender's Python package could not be installed: `{command}` said: {reason}; with a network, or with the wheel in a folder that \
-             PIP_FIND_LINKS names, run this again"
-    )]
-    Install { command: String, reason: String },
-    #[error("{0}")]
-    Refused(String),
-    #[error(
-        "Blender stopped after {done} of {wanted} frames; what it said is in {log}; the same command goes on where it stopped"
-    )]
-    Stopped { done: usize, wanted: usize, log: PathBuf },
-    #[error("Blender made {path} with {found} bytes instead of {wanted}; run the command again")]
-    Torn { path: PathBuf, found: usize, wanted: usize },
-}
+use scaleproof_core::files;
+use scaleproof_core::message::{Message, bail, message};
 
 /// Renders what is still missing in `folder` and writes `frames.json` when all is there. `on_frame` is called with the frames done so far, those
-/// found already included.
-///
-/// # Errors
-/// A folder of another render, no Blender, and whatever Blender cannot do. Frames that are whole stay, and the next call goes on after them.
+/// found already included. When Blender fails, frames that are whole stay, and the next call goes on after them.
 pub fn render(
     plan: &RenderPlan,
     folder: &Path,
     python: &blender::Python,
     mut on_frame: impl FnMut(usize),
-) -> Result<(), RenderError> {
-    reserve(plan, folder)?;
+) -> Result<(), FramesError> {
+    claim(plan, folder)?;
     let work = &blender::work_folder(folder);
     let collector = collect::Collector { plan, folder };
     let missing = collector.missing();
@@ -111,9 +40,9 @@ pub fn render(
         let is_view = |name: &String| missing.viewpoints.iter().any(|view| plan.view_name(*view) == *name);
         let finished = blender::run(python, &plan.to_script(&missing, folder), folder, |event| {
             match event {
-                blender::BlenderEvent::Geometry(view) if is_view(&view) => collector.take_geometry(&view)?,
+                blender::BlenderEvent::Geometry(view) if is_view(&view) => collector.save_geometry(&view)?,
                 blender::BlenderEvent::Frame(name) if is_asked(&name) => {
-                    collector.take_frame(&name)?;
+                    collector.save_frame(&name)?;
                     done += 1;
                 }
                 _ => {}
@@ -122,8 +51,7 @@ pub fn render(
             Ok(())
         })?;
         if !finished || !collector.missing().is_empty() {
-            let log = blender::log(work);
-            return Err(RenderError::Stopped { done, wanted, log });
+            return Err(stopped(folder, done, wanted).into());
         }
     }
     let (path, bytes) = plan.list().to_file(folder)?;
@@ -133,17 +61,37 @@ pub fn render(
     Ok(())
 }
 
+/// Creates the error of a render that Blender did not finish.
+pub fn stopped(folder: &Path, done: usize, wanted: usize) -> Message {
+    let log = blender::log(&blender::work_folder(folder));
+    message!(
+        "Blender stopped after {done} of {wanted} frames; what it said is in {}; the same command goes on where it stopped",
+        log.display()
+    )
+}
+
+/// Creates the error of a folder that holds frames of another render.
+pub fn other_render(folder: &Path) -> Message {
+    message!(
+        "{} holds frames of another render; give an empty folder, or the same arguments to go on",
+        folder.display()
+    )
+}
+
 /// Refuses a folder that Blender would miss: it takes a backslash for a slash.
-pub fn check_folder(folder: &Path) -> Result<(), RenderError> {
+pub fn check_folder(folder: &Path) -> Result<(), Message> {
     let whole = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
     match whole.to_str() {
         Some(text) if !text.contains('\\') => Ok(()),
-        _ => Err(RenderError::BadFolder { folder: whole }),
+        _ => bail!(
+            "Blender cannot write below {}: give a folder whose path is UTF-8 text without a backslash",
+            whole.display()
+        ),
     }
 }
 
-/// Writes what the folder is for, or refuses a folder that is for something else.
-fn reserve(plan: &RenderPlan, folder: &Path) -> Result<(), RenderError> {
+/// Writes the plan's identity into the folder, or refuses a folder of another plan.
+fn claim(plan: &RenderPlan, folder: &Path) -> Result<(), FramesError> {
     let note = folder.join("render.json");
     let own = plan.identity();
     // What was refused before its first image leaves the folder free.
@@ -154,8 +102,7 @@ fn reserve(plan: &RenderPlan, folder: &Path) -> Result<(), RenderError> {
         !folder.join(crate::LIST).exists()
     };
     if !is_free {
-        let folder = folder.to_owned();
-        return Err(RenderError::OtherRender { folder });
+        return Err(other_render(folder).into());
     }
     if is_begun {
         return Ok(());

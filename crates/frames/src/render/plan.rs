@@ -1,4 +1,4 @@
-//! What is rendered: every decision is made here, so that it can be tested without Blender.
+//! The plan of a render: every decision is made here, so that it can be tested without Blender.
 
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -6,22 +6,25 @@ use std::path::{Path, PathBuf};
 use nalgebra::Point3;
 use serde_json::{Value, json};
 
+use super::Panorama;
 use super::blender::work_folder;
 use super::request::{RenderPaint, RenderRequest, absolute};
-use super::{Panorama, RenderError};
-use crate::drawn::{number, paint_sides, seen_box};
-use crate::{Frame, FrameList, Pinhole, Positions, light, require};
+use crate::drawn::{clip_box, paint_sides, side_number};
+use crate::{Frame, FrameList, FramesError, Pinhole, Positions, light};
 use scaleproof_core::files;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::geometry::rigid::{self, Rigid};
+use scaleproof_core::message::{Message, bail, ensure, message};
+use scaleproof_pose::scene::Viewpoint;
 use scaleproof_pose::simulate::looking_at;
 use scaleproof_surface::mesh::doubled_area;
 
 /// The linear light that the highest level of a linear image stands for: two stops above white.
 pub(super) const LINEAR_MAX: f64 = 4.0;
-/// How often light may be reflected on its way.
+/// Most reflections of a light path.
 const BOUNCES: u32 = 4;
 
+/// Plan of a render, checked.
 #[derive(Debug, Clone)]
 pub struct RenderPlan {
     request: RenderRequest,
@@ -29,12 +32,13 @@ pub struct RenderPlan {
     /// SHA-256 of each light's file; `None` for Blender's own lights.
     lights_sha256: Vec<Option<String>>,
     target_mm: Point3<f64>,
+    /// The paint's triangles, as the script gets them.
     surface: Value,
-    /// The mesh's triangles in it.
+    /// Indices of the mesh's triangles in `surface`.
     surface_triangles: Vec<usize>,
 }
 
-/// One frame of a plan, as indices into the request.
+/// Frame of a plan, as indices into the request.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlannedFrame {
     pub light: usize,
@@ -42,6 +46,7 @@ pub struct PlannedFrame {
     pub colour: usize,
 }
 
+/// Images that are still to be rendered.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Missing {
     pub frames: Vec<PlannedFrame>,
@@ -56,7 +61,7 @@ impl Missing {
 }
 
 impl RenderPlan {
-    pub fn new(request: RenderRequest) -> Result<Self, RenderError> {
+    pub fn new(request: RenderRequest) -> Result<Self, FramesError> {
         check(&request)?;
         let hash = |file: &Path| files::read(file).map(|bytes| files::sha256_hex(&bytes));
         let mesh_sha256 = hash(&request.mesh_file)?;
@@ -67,7 +72,11 @@ impl RenderPlan {
         for view in &request.viewpoints {
             let centre = view.camera_centre_mm(target_mm);
             let is_inside = (0..3).all(|i| centre[i] > low[i] && centre[i] < high[i]);
-            require(!is_inside && centre.z > 0.0, || RenderError::CameraInside(*view))?;
+            ensure!(
+                !is_inside && centre.z > 0.0,
+                "the camera at {} is not above the ground and outside the model; move it away",
+                in_words(view)
+            );
         }
         let (surface, surface_triangles) = surface(&request)?;
         let plan = Self {
@@ -81,12 +90,15 @@ impl RenderPlan {
         let mut names: Vec<String> = plan.frames().iter().map(|f| plan.frame_name(f)).collect();
         names.sort();
         match names.windows(2).find(|pair| pair[0] == pair[1]) {
-            Some(pair) => Err(RenderError::Twice { name: pair[0].clone() }),
+            Some(pair) => bail!(
+                "the frame {} would be rendered twice; give each light, viewpoint and paint once",
+                pair[0]
+            ),
             None => Ok(plan),
         }
     }
 
-    /// Every frame, those of one view together.
+    /// Lists every frame, those of one view together.
     pub fn frames(&self) -> Vec<PlannedFrame> {
         let frames = self.views().flat_map(|(light, viewpoint)| {
             (0..self.request.colours.len()).map(move |colour| PlannedFrame {
@@ -98,7 +110,7 @@ impl RenderPlan {
         frames.collect()
     }
 
-    /// Every viewpoint under every light, as indices.
+    /// Lists every viewpoint under every light, as indices.
     fn views(&self) -> impl Iterator<Item = (usize, usize)> {
         let viewpoints = self.request.viewpoints.len();
         (0..self.request.lights.len()).flat_map(move |light| (0..viewpoints).map(move |viewpoint| (light, viewpoint)))
@@ -111,7 +123,7 @@ impl RenderPlan {
         }
     }
 
-    /// What the values of the position images mean.
+    /// Returns the meaning of the values of `positions` images.
     pub(super) fn positions(&self) -> Positions {
         Positions::around(&self.request.mesh, self.request.factor)
     }
@@ -135,14 +147,14 @@ impl RenderPlan {
         Pinhole::with_field_of_view(self.request.size_px, self.request.field_of_view_deg)
     }
 
-    /// What decides about the pixels: two plans of one identity render the same.
+    /// Returns all that decides about the pixels: two plans of one identity render the same.
     pub fn identity(&self) -> String {
         let mut identity = self.view_identity();
         identity["paints"] = self.request.colours.iter().map(RenderPaint::identity).collect();
         format!("{identity:#}\n")
     }
 
-    /// What decides about the pixels besides the paints.
+    /// Returns all that decides about the pixels besides the paints.
     pub fn view_identity(&self) -> Value {
         let r = &self.request;
         json!({
@@ -163,8 +175,8 @@ impl RenderPlan {
         })
     }
 
-    /// The patterns and textures, as files below the folder of the frames.
-    pub fn pattern_files(&self, folder: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>, RenderError> {
+    /// Encodes the patterns and textures, as files below the folder of the frames.
+    pub fn pattern_files(&self, folder: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>, FramesError> {
         let stored = self.request.colours.iter().map(RenderPaint::stored);
         let stored = stored.filter_map(Result::transpose);
         stored
@@ -172,7 +184,7 @@ impl RenderPlan {
             .collect()
     }
 
-    /// What `render_frames.py` gets: only what is missing in the folder.
+    /// Returns the input of `render_frames.py`: only what is missing in the folder.
     pub fn to_script(&self, missing: &Missing, folder: &Path) -> Value {
         let r = &self.request;
         let colour = |c: &RenderPaint| (c.name(), c.to_script(&self.surface_triangles, folder));
@@ -230,7 +242,7 @@ impl RenderPlan {
             ..FrameList::new(&r.made_by, r.size_px, self.pinhole(), self.target_mm.coords.into())
         };
         // The boxes of the whole mesh, exactly: of its projected corners, clipped to the image.
-        let outline = |viewpoint| seen_box(&self.projected(viewpoint)?, r.size_px);
+        let outline = |viewpoint| clip_box(&self.projected(viewpoint)?, r.size_px);
         let boxes: Vec<Option<BoxPx>> = (0..r.viewpoints.len()).map(outline).collect();
         let frame = |frame: PlannedFrame| {
             let name = self.frame_name(&frame);
@@ -248,8 +260,8 @@ impl RenderPlan {
         list
     }
 
-    /// The box around the mesh's projected corners, pixel (0, 0) is the centre of the top-left pixel; `None` when a corner is not before the
-    /// camera.
+    /// Returns the box around the mesh's projected corners, pixel (0, 0) is the centre of the top-left pixel; `None` when a corner is not before
+    /// the camera.
     fn projected(&self, viewpoint: usize) -> Option<BoxPx> {
         let (camera, pose) = (self.pinhole().camera(self.request.size_px), self.pose(viewpoint));
         let mesh = &self.request.mesh;
@@ -258,13 +270,19 @@ impl RenderPlan {
         BoxPx::around(seen?)
     }
 
-    /// The box of the whole mesh as scoring counts, from the corner of the top-left pixel.
-    pub fn truth(&self, viewpoint: usize) -> Result<BoxPx, RenderError> {
+    /// Returns the box of the whole mesh as scoring counts, from the corner of the top-left pixel.
+    pub fn truth(&self, viewpoint: usize) -> Result<BoxPx, Message> {
         let [width, height] = self.request.size_px.map(f64::from);
         let whole = self
             .projected(viewpoint)
             .map(|b| BoxPx::new(b.x1 + 0.5, b.y1 + 0.5, b.x2 + 0.5, b.y2 + 0.5));
-        let cut_off = || RenderError::CutOff(self.request.viewpoints[viewpoint]);
+        let cut_off = || {
+            message!(
+                "the model is not whole in the image at {}, so it would be judged by a part; move the camera away, or widen the field of view",
+                in_words(&self.request.viewpoints[viewpoint])
+            )
+            .hint("‹field_of_view_deg› widens it")
+        };
         whole.filter(|b| *b == b.clipped(width, height)).ok_or_else(cut_off)
     }
 
@@ -273,18 +291,31 @@ impl RenderPlan {
     }
 }
 
-fn check(request: &RenderRequest) -> Result<(), RenderError> {
+/// Returns a viewpoint as part of a sentence.
+fn in_words(viewpoint: &Viewpoint) -> String {
+    let v = viewpoint;
+    format!(
+        "azimuth {}°, pitch {}°, {} mm",
+        v.azimuth_deg, v.pitch_deg, v.distance_mm
+    )
+}
+
+fn check(request: &RenderRequest) -> Result<(), Message> {
     let nothing = [
         (request.lights.is_empty(), "light"),
         (request.viewpoints.is_empty(), "viewpoint"),
         (request.colours.is_empty(), "flat colour, pattern or texture"),
     ];
     for (is_missing, what) in nothing {
-        require(!is_missing, || RenderError::Nothing { what })?;
+        ensure!(!is_missing, "nothing to render: give at least one {what}");
     }
-    let number = |what, value, wanted, is_fine| require(is_fine, || RenderError::BadNumber { what, value, wanted });
-    let within =
-        |what, value: f64, range: RangeInclusive<f64>, wanted| number(what, value, wanted, range.contains(&value));
+    let number = |what: &str, value: f64, wanted: &str, is_fine: bool| {
+        ensure!(is_fine, "{what} cannot be {value}; give {wanted}");
+        Ok::<(), Message>(())
+    };
+    let within = |what: &str, value: f64, range: RangeInclusive<f64>, wanted: &str| {
+        number(what, value, wanted, range.contains(&value))
+    };
     for px in request.size_px {
         within("a side of the frames", px.into(), 16.0..=2048.0, "16 to 2048 px")?;
     }
@@ -306,7 +337,7 @@ fn check(request: &RenderRequest) -> Result<(), RenderError> {
             // Names become file names, lines of what Blender says, and names of its outputs, in which # stands for digits.
             && (name.trim() != name || name.is_empty() || name.chars().any(|c| c.is_control() || "/\\#".contains(c)))
         {
-            return Err(RenderError::BadName { name: name.clone() });
+            bail!("a pattern or texture cannot be called {name:?}; rename its file to plain letters and digits");
         }
         if let RenderPaint::Pattern(_, _, tile) = colour {
             let wanted = "its width on the model, above 0 and up to 100000 mm";
@@ -316,10 +347,10 @@ fn check(request: &RenderRequest) -> Result<(), RenderError> {
     Ok(())
 }
 
-/// The paint's triangles with the side and the place in the pattern of each corner, in repeats, as the printed panels have them
+/// Lists the paint's triangles with the side and the place in the pattern of each corner, in repeats, as the printed panels have them
 /// ([`Side`](scaleproof_surface::pattern::world_aligned::Side)); and which triangles of the mesh these are. Those without area show nothing and are
 /// left out.
-fn surface(request: &RenderRequest) -> Result<(Value, Vec<usize>), RenderError> {
+fn surface(request: &RenderRequest) -> Result<(Value, Vec<usize>), Message> {
     let mesh = &request.mesh;
     let mut points: Vec<[f64; 3]> = Vec::new();
     let mut index = std::collections::HashMap::new();
@@ -331,7 +362,7 @@ fn surface(request: &RenderRequest) -> Result<(Value, Vec<usize>), RenderError> 
             continue;
         };
         indices.push(i);
-        sides.push(number(side));
+        sides.push(side_number(side));
         uv_mm.push(corners.map(|p| side.project(&p)));
         triangles.push(std::array::from_fn::<usize, 3, _>(|i| {
             *index.entry(triangle.corners[i]).or_insert_with(|| {
@@ -340,9 +371,10 @@ fn surface(request: &RenderRequest) -> Result<(Value, Vec<usize>), RenderError> 
             })
         }));
     }
-    if triangles.is_empty() {
-        return Err(RenderError::NoPaint);
-    }
+    ensure!(
+        !triangles.is_empty(),
+        "the mesh has no triangles of the paint's materials"
+    );
     let surface = json!({"points_mm": points, "triangles": triangles, "sides": sides, "uv_mm": uv_mm});
     Ok((surface, indices))
 }

@@ -1,4 +1,4 @@
-//! What is to be rendered.
+//! The settings of a render, and paints.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -6,7 +6,7 @@ use std::sync::Arc;
 use nalgebra::Matrix3;
 use serde_json::{Value, json};
 
-use super::{Panorama, RenderError};
+use super::Panorama;
 use crate::{FramePaint, FramesError, encode_rgb, light};
 use scaleproof_core::files;
 use scaleproof_pose::scene::Viewpoint;
@@ -14,9 +14,10 @@ use scaleproof_surface::mesh::{Mesh, Wrap};
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_wrap::bake::TriangleImage;
 
-/// Roughness of the paint's coat where nothing else is said.
+/// Default roughness of the paint's coat.
 pub const ROUGHNESS: f64 = 0.5;
 
+/// Settings of a render.
 #[derive(Debug, Clone)]
 pub struct RenderRequest {
     pub mesh: Mesh,
@@ -42,17 +43,18 @@ pub struct RenderRequest {
     pub factor: u32,
     /// Threads; 0 is all cores. The same images come out.
     pub threads: u32,
-    /// How the frames say they were made.
+    /// The command that makes the frames.
     pub made_by: String,
 }
 
+/// Paint that the model is rendered in.
 #[derive(Debug, Clone)]
 pub enum RenderPaint {
     /// 8-bit sRGB of the diffuse reflectance.
     Flat([u8; 3]),
-    /// A world-aligned pattern: how its file is called, the pattern, the width of one repeat in mm.
+    /// World-aligned pattern: the stem of its file, the pattern, the width of one repeat in mm.
     Pattern(String, Pattern, f64),
-    /// A texture: how its file is called, and the image.
+    /// Texture: the stem of its file, and the image.
     Texture(String, Arc<TriangleImage>),
     /// The mesh file's own materials.
     Original,
@@ -89,17 +91,17 @@ impl RenderPaint {
         Some(format!("{folder}/{}.png", self.name()))
     }
 
-    /// The pattern or texture: the file below the folder of the frames, and what it holds.
-    pub(super) fn stored(&self) -> Result<Option<(String, Vec<u8>)>, RenderError> {
+    /// Encodes the pattern or texture: the file below the folder of the frames, and its content.
+    pub(super) fn stored(&self) -> Result<Option<(String, Vec<u8>)>, FramesError> {
         let png = match self {
-            Self::Pattern(_, pattern, _) => pattern.to_png().map_err(FramesError::from)?,
+            Self::Pattern(_, pattern, _) => pattern.to_png()?,
             Self::Texture(_, texture) => encode_rgb(&texture.image)?,
             Self::Flat(_) | Self::Original => return Ok(None),
         };
         Ok(self.file().map(|file| (file, png)))
     }
 
-    /// What tells this paint from others.
+    /// Returns all that decides about the paint's pixels.
     pub fn identity(&self) -> Value {
         match self {
             Self::Pattern(name, pattern, tile_mm) => {
@@ -112,7 +114,7 @@ impl RenderPaint {
         }
     }
 
-    /// Rows of cells from the top in linear light, and the size of one repeat, or the image in `folder` and where these triangles lie in it;
+    /// Returns rows of cells from the top in linear light, and the size of one repeat, or the image in `folder` and where these triangles lie in it;
     /// nothing for the mesh's own materials.
     pub(super) fn to_script(&self, triangles: &[usize], folder: &Path) -> Value {
         let (cells, tile_mm): (Vec<Vec<[f64; 3]>>, _) = match self {
@@ -136,13 +138,13 @@ impl RenderPaint {
     }
 }
 
-/// A whole path, as the script gets it.
+/// Returns the absolute path as text, for the script.
 pub(super) fn absolute(path: &Path) -> String {
     let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     whole.to_string_lossy().into_owned()
 }
 
-/// What Blender calls it.
+/// Returns Blender's name of a wrap.
 fn extension(wrap: Wrap) -> &'static str {
     match wrap {
         Wrap::Repeat => "REPEAT",

@@ -13,6 +13,7 @@ use image::RgbImage;
 use crate::{Frame, FramePaint, FrameSet, FramesError, encode_rgb, light, views};
 use scaleproof_core::files;
 use scaleproof_core::geometry::extent;
+use scaleproof_core::message::bail;
 
 /// Files with their contents, not yet written.
 type Files = Vec<(PathBuf, Vec<u8>)>;
@@ -25,21 +26,10 @@ pub struct Additive {
     images: Vec<Vec<[f32; 3]>>,
 }
 
-/// Why colours could not be made.
-#[derive(Debug, thiserror::Error)]
-pub enum AdditiveError {
-    #[error(transparent)]
-    Frames(#[from] FramesError),
-    #[error(
-        "{view} has {found} flat colours in linear light that differ in all three channels, and 3 are needed; render more"
-    )]
-    TooFew { view: String, found: usize },
-}
-
 impl Additive {
-    /// The flat-coloured frames of one view. Colours that share a channel's value with an earlier one are left out: the polynomial of
+    /// Reads the flat-coloured frames of one view. Colours that share a channel's value with an earlier one are left out: the polynomial of
     /// that channel would have no answer.
-    pub fn of_view(set: &FrameSet, view: &[&Frame]) -> Result<Self, AdditiveError> {
+    pub fn of_view(set: &FrameSet, view: &[&Frame]) -> Result<Self, FramesError> {
         let mut additive = Self {
             colours: Vec::new(),
             images: Vec::new(),
@@ -60,8 +50,11 @@ impl Additive {
         }
         let found = additive.colours.len();
         if found < 3 {
-            let view = view.first().map(|f| f.name.clone()).unwrap_or_default();
-            return Err(AdditiveError::TooFew { view, found });
+            let view = view.first().map(|f| f.name.as_str()).unwrap_or_default();
+            bail!(
+                "{view} has {found} flat colours in linear light that differ in all three channels, and 3 are needed; render more";
+                hint: "three are ‹flat› 000000 808080 ffffff"
+            );
         }
         Ok(additive)
     }
@@ -75,7 +68,8 @@ impl Additive {
         }
     }
 
-    /// The colour of which each channel (0 to 255) lies that far between the darkest and the brightest frame's: beyond those nothing holds the polynomial.
+    /// Returns the colour that lies at a share (0 to 255 of each channel) between the darkest and the brightest frame's: beyond those the polynomial
+    /// extrapolates.
     pub fn between(&self, share: [u8; 3]) -> [u8; 3] {
         std::array::from_fn(|channel| {
             let (low, high) = extent(self.colours.iter().map(|colour| light::encode(colour[channel])));
@@ -84,7 +78,7 @@ impl Additive {
         })
     }
 
-    /// The view in another flat colour (8-bit sRGB of the reflectance): linear light, row by row.
+    /// Computes the view in another flat colour (8-bit sRGB of the reflectance): linear light, row by row.
     pub fn light(&self, rgb: [u8; 3]) -> Vec<[f32; 3]> {
         let at = light::linear_of(rgb);
         let weights: [Vec<f64>; 3] = std::array::from_fn(|channel| {
@@ -101,18 +95,15 @@ impl Additive {
             .collect()
     }
 
-    /// The view in another flat colour (8-bit sRGB of the reflectance), as a frame's 8-bit sRGB pixels, row by row.
+    /// Computes the view in another flat colour (8-bit sRGB of the reflectance), as a frame's 8-bit sRGB pixels, row by row.
     pub fn rgb(&self, rgb: [u8; 3]) -> Vec<[u8; 3]> {
         let linear = self.light(rgb);
         linear.iter().map(|p| light::rgb_of(p.map(f64::from))).collect()
     }
 }
 
-/// Frames of every view in other flat colours, as files of `output`, and how many frames they are.
-///
-/// # Errors
-/// A view with fewer than three colours, images that cannot be read.
-pub fn recoloured(set: &FrameSet, colours: &[[u8; 3]], output: &Path) -> Result<(Files, usize), AdditiveError> {
+/// Makes frames of every view in other flat colours: returns them as files of `output`, and their number.
+pub fn recoloured(set: &FrameSet, colours: &[[u8; 3]], output: &Path) -> Result<(Files, usize), FramesError> {
     let mut list = set.list.clone();
     list.frames.clear();
     list.made_by = format!("attack colours (of: {})", set.list.made_by);
@@ -121,7 +112,7 @@ pub fn recoloured(set: &FrameSet, colours: &[[u8; 3]], output: &Path) -> Result<
         let additive = Additive::of_view(set, &view)?;
         for (key, file) in view[0].files() {
             if !matches!(key, "rgb" | "linear" | "pattern") && copied.insert(file) {
-                let copy = files::read(&set.folder.join(file)).map_err(FramesError::from)?;
+                let copy = files::read(&set.folder.join(file))?;
                 new.push((output.join(file), copy));
             }
         }
@@ -145,7 +136,7 @@ pub fn recoloured(set: &FrameSet, colours: &[[u8; 3]], output: &Path) -> Result<
     Ok((new, list.frames.len()))
 }
 
-/// The weights of values at `levels` in the value at `at` of the polynomial through them.
+/// Returns the weights of the values at `levels` in the value at `at` of the polynomial through them.
 fn lagrange(levels: &[f64], at: f64) -> Vec<f64> {
     let weight = |i: usize| {
         let others = levels.iter().enumerate().filter(|(j, _)| *j != i);

@@ -1,30 +1,15 @@
-//! Surrogate renderers against each other on the same frames: error in colours none of them has seen, against milliseconds.
+//! Surrogate renderers compared on the same frames: error in colours none of them has seen, against milliseconds.
 
 use image::RgbImage;
 use serde::Serialize;
 
+use crate::surrogate::dtn::trained::DtnNetwork;
 use crate::surrogate::projection::{Grid, Projection, repeated, world};
-use crate::surrogate::renderer::{ClosedForm, FitError, FlatImage, NeuralRenderer, PerPixel, Renderer};
+use crate::surrogate::renderer::{ClosedForm, FlatImage, PerPixel, Renderer};
 use crate::{Coverage, Frame, FrameSet, FramesError, light, views};
+use scaleproof_core::message::{Message, message};
 use scaleproof_core::workers::fastest;
 use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, distinct, scatter};
-
-/// Why there is no chart.
-#[derive(Debug, thiserror::Error)]
-pub enum SurrogateChartError {
-    #[error(transparent)]
-    Frames(#[from] FramesError),
-    #[error(transparent)]
-    Fit(#[from] FitError),
-    #[error("the view of {frame} has no frame in the reference colour {colour}; render it, or give other colours")]
-    NoReference { frame: String, colour: String },
-    #[error("the network {network} starts from {wanted}, which is not among the references; add it")]
-    OtherReference { network: String, wanted: String },
-    #[error("the network {network}: {reason}")]
-    Network { network: String, reason: String },
-    #[error("no view has a flat colour besides the references, so there is nothing to predict: render one more")]
-    NothingToPredict,
-}
 
 /// One model with so many reference colours, over all views.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
@@ -60,7 +45,7 @@ pub struct SurrogateFigures {
     pub predict_ms: f64,
 }
 
-/// What is measured of a method, view by view and frame by frame.
+/// Measurements of a method, view by view and frame by frame.
 #[derive(Default)]
 struct Measured {
     paint: Vec<f64>,
@@ -76,11 +61,11 @@ fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
-/// What of a view every model is measured on.
+/// Images of a view that every model is measured on.
 struct View {
     mask: Coverage,
     flats: Vec<FlatImage>,
-    /// Unseen flat colours.
+    /// Images in unseen flat colours.
     tests: Vec<FlatImage>,
     patterns: Vec<PatternTest>,
 }
@@ -91,25 +76,27 @@ struct PatternTest {
     repeated: Vec<[f64; 3]>,
 }
 
-/// A model, its tone curve's exponent, milliseconds.
-type Fitted = Result<(Box<dyn Renderer>, Option<f64>, f64), SurrogateChartError>;
+/// Fitted model, its tone curve's exponent, and the time of the fit, ms.
+type Fitted = Result<(Box<dyn Renderer>, Option<f64>, f64), FramesError>;
 
-/// A model and what it is given.
+/// A model and the images that it is given.
 enum Method<'a> {
-    /// A closed form, and how many of the references, from the first on.
+    /// A closed form, and the number of references, from the first on.
     ClosedForm(ClosedForm, usize),
-    /// A network, and which one of the references.
-    Network(&'a dyn NeuralRenderer, usize),
+    /// A network, and the index of its reference.
+    Network(&'a DtnNetwork, usize),
 }
 
 impl<'a> Method<'a> {
-    /// A network, given the first of these references that it was trained to start from.
-    fn trained(network: &'a dyn NeuralRenderer, references: &[[u8; 3]]) -> Result<Self, SurrogateChartError> {
-        let wanted = network.references();
+    /// Gives a network the first of these references that it was trained to start from.
+    fn trained(network: &'a DtnNetwork, references: &[[u8; 3]]) -> Result<Self, Message> {
+        let wanted = &network.references;
         let found = wanted.iter().find_map(|rgb| references.iter().position(|r| r == rgb));
-        let reference = found.ok_or_else(|| SurrogateChartError::OtherReference {
-            network: network.name(),
-            wanted: Vec::from_iter(wanted.iter().map(|rgb| light::to_hex(*rgb))).join(" or "),
+        let reference = found.ok_or_else(|| {
+            let wanted = Vec::from_iter(wanted.iter().map(|rgb| light::to_hex(*rgb))).join(" or ");
+            let network = network.architecture.name();
+            message!("the network {network} starts from {wanted}, which is not among the references; add it")
+                .hint("the references are ‹reference›")
         })?;
         Ok(Self::Network(network, reference))
     }
@@ -123,10 +110,8 @@ impl<'a> Method<'a> {
                 Ok((Box::new(model), power, ms))
             }
             Self::Network(network, reference) => {
-                let (model, ms) = fastest(|| network.of_view(&view.flats[reference].image, &view.mask));
-                let network = network.name();
-                let model = model.map_err(|reason| SurrogateChartError::Network { network, reason })?;
-                Ok((model, None, ms))
+                let (model, ms) = fastest(|| network.view(&view.flats[reference].image, &view.mask));
+                Ok((Box::new(model), None, ms))
             }
         }
     }
@@ -137,14 +122,14 @@ impl<'a> Method<'a> {
 pub fn measure(
     set: &FrameSet,
     references: &[[u8; 3]],
-    networks: &[&dyn NeuralRenderer],
+    networks: &[DtnNetwork],
     on_view: impl Fn(),
-) -> Result<Vec<SurrogateFigures>, SurrogateChartError> {
+) -> Result<Vec<SurrogateFigures>, FramesError> {
     let closed = ClosedForm::ALL.into_iter().flat_map(|kind| {
         let counts = kind.least_colours()..=references.len();
         counts.map(move |count| Ok(Method::ClosedForm(kind, count)))
     });
-    let trained = networks.iter().map(|network| Method::trained(*network, references));
+    let trained = networks.iter().map(|network| Method::trained(network, references));
     let methods = closed.chain(trained).collect::<Result<Vec<_>, _>>()?;
     let mut measured: Vec<Measured> = methods.iter().map(|_| Measured::default()).collect();
     for frames in views(&set.list.frames) {
@@ -157,13 +142,13 @@ pub fn measure(
     let rows = methods.into_iter().zip(measured).map(|(method, m)| {
         let (model, references, network) = match method {
             Method::ClosedForm(kind, references) => (kind.name().to_owned(), references, None),
-            Method::Network(network, _) => (network.name(), 1, Some(network)),
+            Method::Network(network, _) => (network.architecture.name(), 1, Some(network)),
         };
         Some(SurrogateFigures {
             model,
-            training_seconds: network.map(|n| n.training_seconds()),
+            training_seconds: network.map(|n| n.training_seconds),
             references,
-            trained_references: network.map(|n| n.references().len()),
+            trained_references: network.map(|n| n.references.len()),
             views: m.fit_ms.len(),
             frames: m.paint.len(),
             mse_paint: mean(&m.paint)?,
@@ -177,18 +162,25 @@ pub fn measure(
         })
     });
     let all = rows.collect::<Option<Vec<_>>>();
-    all.ok_or(SurrogateChartError::NothingToPredict)
+    let none = || {
+        message!("no view has a flat colour besides the references, so there is nothing to predict: render one more")
+            .hint("‹flat› 000000 808080 ffffff c83214 renders four colours")
+    };
+    Ok(all.ok_or_else(none)?)
 }
 
-fn load(set: &FrameSet, frames: &[&Frame], references: &[[u8; 3]]) -> Result<View, SurrogateChartError> {
+fn load(set: &FrameSet, frames: &[&Frame], references: &[[u8; 3]]) -> Result<View, FramesError> {
     let first = frames[0];
     let mask = set.paint_mask(first)?;
     let mut flats = Vec::new();
     for colour in references {
         let found = frames.iter().find(|f| f.flat_rgb() == Some(*colour));
-        let frame = found.ok_or_else(|| SurrogateChartError::NoReference {
-            frame: first.name.clone(),
-            colour: light::to_hex(*colour),
+        let frame = found.ok_or_else(|| {
+            let (frame, colour) = (&first.name, light::to_hex(*colour));
+            message!(
+                "the view of {frame} has no frame in the reference colour {colour}; render it, or give other colours"
+            )
+            .hint("the references are ‹reference›")
         })?;
         flats.extend(FlatImage::read(set, frame)?);
     }
@@ -218,7 +210,7 @@ fn load(set: &FrameSet, frames: &[&Frame], references: &[[u8; 3]]) -> Result<Vie
     })
 }
 
-fn add(method: &Method, view: &View, measured: &mut Measured) -> Result<(), SurrogateChartError> {
+fn add(method: &Method, view: &View, measured: &mut Measured) -> Result<(), FramesError> {
     let (model, power, ms) = method.fit(view)?;
     measured.fit_ms.push(ms);
     measured.power.extend(power);
@@ -238,7 +230,7 @@ fn add(method: &Method, view: &View, measured: &mut Measured) -> Result<(), Surr
     Ok(())
 }
 
-/// Mean squared error over the pixels the paint covers by half or more (`None` without such pixels), and over all.
+/// Returns the mean squared error over the pixels that the paint covers by half or more (`None` without such pixels), and over all.
 pub fn mse(predicted: &[[f64; 3]], image: &RgbImage, mask: &Coverage) -> (Option<f64>, f64) {
     let (mut paint, mut all) = ((0.0, 0_usize), 0.0);
     for ((p, truth), covered) in predicted.iter().zip(image.pixels()).zip(mask.pixels()) {
@@ -270,10 +262,7 @@ pub struct Numbers<'a> {
     rows: &'a [SurrogateFigures],
 }
 
-/// The figures as JSON, with what they were measured on.
-///
-/// # Errors
-/// Only if the encoder fails.
+/// Encodes the figures as JSON, with the frames that they were measured on.
 pub fn numbers(set: &FrameSet, references: &[String], rows: &[SurrogateFigures]) -> Result<String, FramesError> {
     let numbers = Numbers {
         scaleproof: env!("CARGO_PKG_VERSION"),
@@ -282,10 +271,10 @@ pub fn numbers(set: &FrameSet, references: &[String], rows: &[SurrogateFigures])
         references,
         rows,
     };
-    serde_json::to_string_pretty(&numbers).map_err(|e| FramesError::Encode(e.to_string()))
+    serde_json::to_string_pretty(&numbers).map_err(FramesError::encode)
 }
 
-/// Lines of text, the most accurate first.
+/// Formats the figures as lines of text, the most accurate first.
 pub fn table(rows: &[SurrogateFigures]) -> String {
     let mut sorted: Vec<&SurrogateFigures> = rows.iter().collect();
     sorted.sort_by(|a, b| a.mse_paint.total_cmp(&b.mse_paint));
@@ -313,7 +302,7 @@ pub fn table(rows: &[SurrogateFigures]) -> String {
     text
 }
 
-/// Colours a model is given: `1`, or `1 of 3` for a network that takes any of three.
+/// Formats the number of colours that a model is given: `1`, or `1 of 3` for a network that takes any of three.
 fn given(row: &SurrogateFigures) -> String {
     match row.trained_references {
         Some(count) if count > 1 => format!("{} of {count}", row.references),
@@ -321,7 +310,7 @@ fn given(row: &SurrogateFigures) -> String {
     }
 }
 
-/// A network's encoder and its depth, as its name has them; a closed form has its name and what it is given.
+/// Splits a network's name into encoder and depth; a closed form has its name and the number of its colours.
 fn series_and_shape(row: &SurrogateFigures) -> (String, String) {
     let Some((encoder, rest)) = row.model.split_once(" k=") else {
         return (row.model.clone(), format!("{} colours", row.references));
@@ -332,15 +321,15 @@ fn series_and_shape(row: &SurrogateFigures) -> (String, String) {
     (series.trim_end().to_owned(), format!("k={depth}"))
 }
 
-/// The chart: colours for models and encoders, shapes for reference colours and depths.
+/// Draws the chart: colours for models and encoders, shapes for reference colours and depths.
 pub fn draw(rows: &[SurrogateFigures]) -> String {
     let frames = rows.first().map_or(0, |row| row.frames);
     let note = format!("{frames} frames; mean squared error over the paint, sRGB 0 to 1; lower left is better");
     let title = "Surrogate renderers: error in unseen colours against time";
-    cloud((title, note), "milliseconds a frame", rows, |row| row.predict_ms)
+    cloud(title, note, "milliseconds a frame", rows, |row| row.predict_ms)
 }
 
-/// The networks' chart: error against the time of their training. `None` without a network.
+/// Draws the networks' chart: error against the time of their training. `None` without a network.
 pub fn draw_training(rows: &[SurrogateFigures]) -> Option<String> {
     let trained: Vec<SurrogateFigures> = rows.iter().filter(|r| r.training_seconds.is_some()).cloned().collect();
     let closed = rows.iter().filter(|r| r.training_seconds.is_none());
@@ -351,14 +340,15 @@ pub fn draw_training(rows: &[SurrogateFigures]) -> Option<String> {
     );
     let title = "Networks: error in unseen colours against training";
     (!trained.is_empty()).then(|| {
-        cloud((title, note), "seconds of training", &trained, |row| {
+        cloud(title, note, "seconds of training", &trained, |row| {
             row.training_seconds.unwrap_or(0.0)
         })
     })
 }
 
 fn cloud(
-    (title, note): (&str, String),
+    title: &str,
+    note: String,
     x: &str,
     rows: &[SurrogateFigures],
     value: impl Fn(&SurrogateFigures) -> f64,

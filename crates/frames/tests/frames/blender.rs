@@ -1,4 +1,4 @@
-use scaleproof_frames::render::blender::{BlenderEvent, follow};
+use scaleproof_frames::render::blender::{BlenderEvent, read_events};
 
 #[test]
 fn the_scripts_lines_are_told_from_blenders() {
@@ -8,7 +8,7 @@ fn the_scripts_lines_are_told_from_blenders() {
         events.push(event);
         Ok(())
     };
-    follow(text.as_bytes(), &mut keep).unwrap();
+    read_events(text.as_bytes(), &mut keep).unwrap();
     assert_eq!(
         events,
         [
@@ -16,6 +16,6 @@ fn the_scripts_lines_are_told_from_blenders() {
             BlenderEvent::Frame("a b".into())
         ]
     );
-    let refused = follow(&b"refused the light is black\n"[..], &mut |_| Ok(())).unwrap_err();
+    let refused = read_events(&b"refused the light is black\n"[..], &mut |_| Ok(())).unwrap_err();
     assert_eq!(refused.to_string(), "the light is black");
 }

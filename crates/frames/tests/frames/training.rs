@@ -1,10 +1,10 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use scaleproof_frames::FrameSet;
 use scaleproof_frames::surrogate::dtn::data::TrainingSet;
 use scaleproof_frames::surrogate::dtn::training::{Trainer, TrainingPlan};
-use scaleproof_frames::surrogate::dtn::{Architecture, DtnError, Encoder, Transformer, file};
+use scaleproof_frames::surrogate::dtn::{Architecture, Encoder, Transformer, file};
+use scaleproof_frames::{FrameSet, FramesError};
 use serde::{Deserialize, Serialize};
 
 fn plan(encoder: Encoder, depth: usize, transformer: Transformer) -> TrainingPlan {
@@ -20,7 +20,7 @@ fn plan(encoder: Encoder, depth: usize, transformer: Transformer) -> TrainingPla
     }
 }
 
-fn training_set() -> Result<TrainingSet, DtnError> {
+fn training_set() -> Result<TrainingSet, FramesError> {
     let frames = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../captures/skyline_frames");
     TrainingSet::read(&[FrameSet::open(&frames)?], None, 48, &[[128; 3]], || ())
 }
@@ -32,7 +32,7 @@ struct Course {
     weights: Vec<f32>,
 }
 
-fn course(plan: TrainingPlan) -> Result<Course, DtnError> {
+fn course(plan: TrainingPlan) -> Result<Course, FramesError> {
     let set = training_set()?;
     let mut trainer = Trainer::new(plan);
     let losses = (0..6).map(|_| trainer.step(&set)).collect::<Result<_, _>>()?;
@@ -57,7 +57,7 @@ fn training_takes_the_steps_that_another_engine_took() -> Result<(), Box<dyn std
     let found = plans
         .map(named)
         .into_iter()
-        .collect::<Result<BTreeMap<_, _>, DtnError>>()?;
+        .collect::<Result<BTreeMap<_, _>, FramesError>>()?;
     let stored: BTreeMap<String, Course> = serde_json::from_slice(&std::fs::read(&path)?)?;
     assert!(found.keys().eq(stored.keys()) && stored.len() == 4);
     for ((name, found), stored) in found.iter().zip(stored.values()) {
@@ -83,7 +83,7 @@ fn training_takes_the_steps_that_another_engine_took() -> Result<(), Box<dyn std
 
 /// Nothing a user gives makes a number break down, so weights are broken here.
 #[test]
-fn what_is_no_number_is_neither_stepped_along_nor_saved() -> Result<(), DtnError> {
+fn what_is_no_number_is_neither_stepped_along_nor_saved() -> Result<(), FramesError> {
     let set = training_set()?;
     let plan = plan(Encoder::ConvNet, 1, Transformer::Texture);
     let mut trainer = Trainer::new(plan);
@@ -94,7 +94,10 @@ fn what_is_no_number_is_neither_stepped_along_nor_saved() -> Result<(), DtnError
     let refused = trainer.step(&set).map_err(|e| e.to_string());
     assert!(refused.is_err_and(|e| e.contains("step 1") && e.contains("no number")));
     let path = std::env::temp_dir().join("scaleproof-broken-down.dtn");
-    assert!(matches!(file::save(&trainer, &path), Err(DtnError::NotFinite { .. })));
+    assert!(matches!(
+        file::save(&trainer, &path),
+        Err(FramesError::NotFinite { .. })
+    ));
     assert!(!path.exists());
     Ok(())
 }

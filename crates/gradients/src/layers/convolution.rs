@@ -1,14 +1,11 @@
 //! Convolutions as products of matrices. Back with respect to the image: the same product with the weights transposed.
 
-mod by_weights;
-
 use std::sync::Arc;
 
 use super::depthwise::Depthwise;
 use super::matrix::{Matrix, multiply};
 use super::windows::{Weights, Windows};
 use super::{Array, Back, Layer, Number, Sums};
-pub(super) use by_weights::LearntConvolution;
 
 pub fn convolution<T: Number>(windows: Windows, weights: Weights<T>) -> Box<dyn Layer<T>> {
     let is_depthwise = weights.groups == windows.channels && weights.outputs == windows.channels;
@@ -28,9 +25,9 @@ pub(super) struct Convolution<T> {
 }
 
 /// The part of a convolution that one product does: a group, and some rows of windows.
-struct Tile {
-    group: usize,
-    rows: std::ops::Range<usize>,
+pub(super) struct Tile {
+    pub group: usize,
+    pub rows: std::ops::Range<usize>,
 }
 
 impl<T: Number> Convolution<T> {
@@ -38,12 +35,12 @@ impl<T: Number> Convolution<T> {
         self.windows.channels / self.weights.groups
     }
 
-    fn group_outputs(&self) -> usize {
+    pub(super) fn group_outputs(&self) -> usize {
         self.weights.outputs / self.weights.groups
     }
 
     /// Numbers of a window, all channels of a group.
-    fn inner(&self) -> usize {
+    pub(super) fn inner(&self) -> usize {
         self.group_channels() * self.windows.taps()
     }
 
@@ -58,7 +55,7 @@ impl<T: Number> Convolution<T> {
         Matrix::rows(&self.weights.weights[group * size..][..size], self.inner())
     }
 
-    fn tiles(&self) -> impl Iterator<Item = Tile> + use<T> {
+    pub(super) fn tiles(&self) -> impl Iterator<Item = Tile> + use<T> {
         let [rows, columns] = self.windows.count;
         let at_once = if self.is_pointwise() {
             rows
@@ -82,7 +79,7 @@ impl<T: Number> Convolution<T> {
     }
 
     /// The windows of a tile as a matrix of one window a column: the image itself where that is it, else laid out in `columns`.
-    fn windows_of<'a>(&self, image: &'a [T], tile: &Tile, columns: &'a mut Vec<T>) -> Matrix<'a, T> {
+    pub(super) fn windows_of<'a>(&self, image: &'a [T], tile: &Tile, columns: &'a mut Vec<T>) -> Matrix<'a, T> {
         if self.is_pointwise() {
             let area = self.windows.area();
             return Matrix::rows(&image[tile.group * self.group_channels() * area..], area);
@@ -122,7 +119,7 @@ impl<T: Number> Convolution<T> {
         }
     }
 
-    fn output(&self, tile: &Tile) -> usize {
+    pub(super) fn output(&self, tile: &Tile) -> usize {
         tile.group * self.group_outputs() * self.windows.area() + tile.rows.start * self.windows.count[1]
     }
 

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use scaleproof_core::workers;
 
-use super::convolution::{LearntConvolution, convolution};
-use super::{
-    Activation, Array, Back, Layer, Moved, Operation, Pairwise, Sums, Weights, Windows, last_uses, owned, vectorised,
-};
+use super::by_weights::LearntConvolution;
+use super::convolution::convolution;
+use super::tape::{Recorded, Slot, Tape, backward, last_uses, taken};
+use super::{Activation, Array, Back, Layer, Moved, Operation, Pairwise, Sums, Weights, Windows, owned, vectorised};
 
 /// What derivatives are by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,7 +20,7 @@ pub enum By {
 /// The image, or what a layer makes.
 #[derive(Debug, Clone, Copy)]
 pub struct Output {
-    slot: usize,
+    slot: Slot,
     channels: usize,
     /// Rows and columns.
     size: [usize; 2],
@@ -44,10 +44,10 @@ pub struct Kernel {
 
 struct Step {
     layer: Box<dyn Layer>,
-    inputs: Vec<usize>,
+    inputs: Vec<Slot>,
     /// Slots of the derivatives: those of the inputs, then of weights and biases.
-    slots: Vec<usize>,
-    output: usize,
+    slots: Vec<Slot>,
+    output: Slot,
 }
 
 /// Layers in the order in which they run; the last one's output is the network's.
@@ -177,9 +177,9 @@ impl Network {
         loss: impl Fn(&S, &[f32]) -> (f64, Vec<f32>) + Sync,
     ) -> (f64, Vec<Vec<f32>>) {
         let parts = workers::each(samples, |sample| {
-            let (output, backs) = self.run(image(sample), true);
+            let (output, tape) = self.run(image(sample), true);
             let (loss, gradient) = loss(sample, &output);
-            (loss, self.back(gradient, backs))
+            (loss, self.back(gradient, tape))
         });
         let mut sums: Vec<_> = self.ends().map(|(_, count)| vec![0.0; count]).collect();
         for (_, lists) in &parts {
@@ -196,38 +196,28 @@ impl Network {
         self.learnt.iter().copied().chain(image)
     }
 
-    fn run(&self, image: Vec<f32>, keeps: bool) -> (Array, Vec<Option<Back<'_>>>) {
-        let mut values: Vec<Array> = vec![Array::default(); self.slots];
-        values[self.image.slot] = Arc::new(image);
-        let mut backs = Vec::with_capacity(self.steps.len());
-        let last_uses = last_uses(self.steps.iter().map(|step| &step.inputs[..]), []);
-        for (step, last_uses) in self.steps.iter().zip(&last_uses) {
-            let taken = |slot: &usize| {
-                if last_uses.contains(slot) {
-                    std::mem::take(&mut values[*slot])
-                } else {
-                    values[*slot].clone()
-                }
-            };
-            let (output, back) = step.layer.forward(step.inputs.iter().map(taken).collect(), keeps);
-            values[step.output] = output;
-            backs.push(back);
-        }
-        let last = self.steps.last().map_or(self.image.slot, |step| step.output);
-        (std::mem::take(&mut values[last]), backs)
+    /// Slot of the network's output.
+    fn last(&self) -> Slot {
+        self.steps.last().map_or(self.image.slot, |step| step.output)
     }
 
-    fn back(&self, gradient: Vec<f32>, backs: Vec<Option<Back<'_>>>) -> Vec<Vec<f32>> {
-        let mut all: Vec<Option<Vec<f32>>> = vec![None; self.slots];
-        if let Some(step) = self.steps.last() {
-            all[step.output] = Some(gradient);
+    fn run(&self, image: Vec<f32>, keeps: bool) -> (Array, Tape<'_>) {
+        let mut values: Vec<Array> = vec![Array::default(); self.slots];
+        values[self.image.slot] = Arc::new(image);
+        let mut tape = Tape::with_capacity(self.steps.len());
+        let last_uses = last_uses(self.steps.iter().map(|step| &step.inputs[..]), []);
+        for (step, last_uses) in self.steps.iter().zip(&last_uses) {
+            let inputs = step.inputs.iter().map(|slot| taken(&mut values, *slot, last_uses));
+            let (output, back) = step.layer.forward(inputs.collect(), keeps);
+            values[step.output] = output;
+            let (output, slots) = (step.output, &step.slots[..]);
+            tape.extend(back.map(|back| Recorded { output, slots, back }));
         }
-        for (step, back) in self.steps.iter().zip(backs).rev() {
-            if let (Some(gradient), Some(back)) = (all[step.output].take(), back) {
-                let (all, slots) = (&mut all[..], &step.slots[..]);
-                back(gradient, &mut Sums { all, slots });
-            }
-        }
+        (std::mem::take(&mut values[self.last()]), tape)
+    }
+
+    fn back(&self, gradient: Vec<f32>, tape: Tape) -> Vec<Vec<f32>> {
+        let mut all = backward(tape, self.slots, [(self.last(), gradient)]);
         let taken = |(slot, count): (usize, usize)| all[slot].take().unwrap_or_else(|| vec![0.0; count]);
         self.ends().map(taken).collect()
     }

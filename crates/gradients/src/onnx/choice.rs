@@ -7,9 +7,8 @@ use std::sync::Arc;
 use super::graph::Graph;
 use super::operator::{Inputs, Operator, one, several};
 use super::run::{ToWhole, Work};
-use super::term::{Numbers, Result, Term, axes_of, axis_of, bounded};
+use super::term::{Numbers, Result, Term, axes_of, axis_of, bounded, mismatch};
 use super::view::View;
-use crate::NetworkFault;
 use crate::layers::{Number, Sampled};
 use scaleproof_detect::onnx_model::Node;
 
@@ -117,8 +116,7 @@ fn gather_elements<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs
     let axis = axis_of(node.int("axis").unwrap_or(0), x.shape.len())?;
     let fits = |i: usize| i == axis || indices.shape[i] <= x.shape[i];
     if indices.shape.len() != x.shape.len() || !(0..x.shape.len()).all(fits) {
-        let (numbers, indices) = (x.shape.clone(), indices.shape.clone());
-        return Err(NetworkFault::Mismatch("numbers and indices", numbers, indices));
+        return Err(mismatch("numbers and indices", &x.shape, &indices.shape));
     }
     gathered(graph, x, axis, indices)
 }
@@ -145,13 +143,13 @@ fn gather<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>) -> R
 fn gather_nd<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>) -> Result<Term<T>> {
     let (x, indices) = (inputs.term(0)?, inputs.whole(1)?);
     let batch = usize::try_from(node.int("batch_dims").unwrap_or(0)).unwrap_or(usize::MAX);
-    let mismatch = || NetworkFault::Mismatch("numbers and indices", x.shape.clone(), indices.shape.clone());
+    let refused = || mismatch("numbers and indices", &x.shape, &indices.shape);
     let (Some((depth, rows)), true) = (indices.shape.split_last(), indices.shape.len() > batch) else {
-        return Err(mismatch());
+        return Err(refused());
     };
     let end = batch.saturating_add(*depth);
     if *depth == 0 || end > x.shape.len() || x.shape[..batch] != rows[..batch] {
-        return Err(mismatch());
+        return Err(refused());
     }
     let shape = [rows, &x.shape[end..]].concat();
     bounded(shape.iter().copied())?;
@@ -176,8 +174,7 @@ fn grid_sample<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>)
     let (images, [count, channels, rows, columns]) = inputs.planes(0)?;
     let (grid, [grids, new_rows, new_columns, coordinates]) = inputs.planes(1)?;
     if grids != count || coordinates != 2 || rows == 0 || columns == 0 {
-        let (images, grid) = (images.shape.clone(), grid.shape.clone());
-        return Err(NetworkFault::Mismatch("images and places", images, grid));
+        return Err(mismatch("images and places", &images.shape, &grid.shape));
     }
     let layer = Sampled {
         images: count,

@@ -3,9 +3,8 @@
 use super::arithmetic::of_two;
 use super::graph::Graph;
 use super::operator::{Inputs, Operator, one};
-use super::term::{Result, Term, axes_of, axis_of, bounded, broadcast};
+use super::term::{Result, Term, axes_of, axis_of, bounded, broadcast, mismatch};
 use super::view::View;
-use crate::NetworkFault;
 use crate::layers::{Each, Lines, Number, Operation, Product, Reduced, Softmax, Summary};
 use scaleproof_detect::onnx_model::Node;
 
@@ -55,7 +54,7 @@ fn reduce<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>, summ
 
 /// Product of matrices, or of stacks of them; stored turned where said.
 fn product<T: Number>(graph: &mut Graph<T>, a: &Term<T>, b: &Term<T>, turned: [bool; 2]) -> Result<Term<T>> {
-    let fault = || NetworkFault::Mismatch("matrices", a.shape.clone(), b.shape.clone());
+    let fault = || mismatch("matrices", &a.shape, &b.shape);
     let sides = |term: &Term<T>, turned: bool| match term.shape[..] {
         [.., rows, columns] => Ok(if turned { [columns, rows] } else { [rows, columns] }),
         _ => Err(fault()),
@@ -95,6 +94,16 @@ fn product<T: Number>(graph: &mut Graph<T>, a: &Term<T>, b: &Term<T>, turned: [b
     graph.layer(layer, &inputs, shape)
 }
 
+/// √(variance + ε)
+pub(super) fn deviation<T: Number>(node: &Node, graph: &mut Graph<T>, variance: &Term<T>) -> Result<Term<T>> {
+    let epsilon = node.float("epsilon").map_or(1e-5, f64::from);
+    let root = Each(move |v: T| {
+        let root = (v.wide() + epsilon).sqrt();
+        (T::of(root), T::of(0.5 / root))
+    });
+    graph.layer(root, &[variance], variance.shape.clone())
+}
+
 /// (x − mean) / √(variance + ε) · scale + shift, over all axes from one on.
 fn layer_norm<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>) -> Result<Term<T>> {
     let (x, scale) = (inputs.floats(0)?, inputs.floats(1)?);
@@ -106,12 +115,7 @@ fn layer_norm<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>) 
     let centred = of_two(graph, Operation::Difference, &lines, &mean)?;
     let squares = of_two(graph, Operation::Product, &centred, &centred)?;
     let variance = reduced(graph, &squares, first, Summary::Mean)?;
-    let epsilon = node.float("epsilon").map_or(1e-5, f64::from);
-    let deviation = Each(move |v: T| {
-        let root = (v.wide() + epsilon).sqrt();
-        (T::of(root), T::of(0.5 / root))
-    });
-    let deviation = graph.layer(deviation, &[&variance], variance.shape.clone())?;
+    let deviation = deviation(node, graph, &variance)?;
     let scaled = of_two(graph, Operation::Quotient, &centred, &deviation)?.shaped(x.shape.clone())?;
     let scaled = of_two(graph, Operation::Product, &scaled, scale)?;
     match inputs.optional_floats(2)? {

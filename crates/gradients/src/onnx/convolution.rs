@@ -1,13 +1,13 @@
 //! Convolution and pooling of images (rank 4: images × channels × rows × columns).
 
 use super::arithmetic::of_two;
-use super::combine::reduced;
+use super::combine::{deviation, reduced};
 use super::graph::Graph;
 use super::operator::{Inputs, Operator, one};
 use super::run::Work;
-use super::term::{Result, Term, bounded};
-use crate::NetworkFault;
-use crate::layers::{self, Each, MaxPool, Number, Operation, Separate, Summary, Transposed, Weights, Windows};
+use super::term::{Result, Term, bounded, no_axis};
+use crate::layers::{self, MaxPool, Number, Operation, Separate, Summary, Transposed, Weights, Windows};
+use scaleproof_core::message::{Message, message};
 use scaleproof_detect::onnx_model::Node;
 
 /// No kernel, step or border of a detector is larger.
@@ -91,7 +91,12 @@ impl Window {
         bounded([channels, count[0], count[1]])?;
         let padded = |axis: usize| image[axis] + self.padding[axis][0] + self.padding[axis][1];
         bounded([channels, padded(0), padded(1)])?;
-        Ok(Windows {
+        Ok(self.on(channels, image, count))
+    }
+
+    /// So many windows on an image.
+    fn on(&self, channels: usize, image: [usize; 2], count: [usize; 2]) -> Windows {
+        Windows {
             channels,
             image,
             kernel: self.kernel,
@@ -99,7 +104,7 @@ impl Window {
             dilation: self.dilation,
             before: self.padding.map(|[before, _]| before),
             count,
-        })
+        }
     }
 
     /// Means of windows; of what lies on the image alone where the border does not count.
@@ -141,6 +146,10 @@ fn weights<T: Number>(inputs: &Inputs<T>, images: usize, groups: usize, outputs:
     })
 }
 
+fn other_channels(wanted: usize, found: usize) -> Message {
+    message!("it takes {wanted} channels and gets {found}")
+}
+
 fn groups(node: &Node) -> Result<usize> {
     let groups = usize::try_from(node.int("group").unwrap_or(1))
         .ok()
@@ -153,8 +162,7 @@ fn convolution<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>)
     let (_, [outputs, per_group, kernel_rows, kernel_columns]) = inputs.planes(1)?;
     let groups = groups(node)?;
     if per_group.checked_mul(groups) != Some(channels) {
-        let wanted = per_group.saturating_mul(groups);
-        return Err(NetworkFault::Count("channels", wanted, channels));
+        return Err(other_channels(per_group.saturating_mul(groups), channels));
     }
     let biases = inputs.optional(2).map_or(outputs, Term::count);
     if !outputs.is_multiple_of(groups) || biases != outputs {
@@ -173,7 +181,7 @@ fn transposed<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>) 
     let (_, [from, per_group, kernel_rows, kernel_columns]) = inputs.planes(1)?;
     let groups = groups(node)?;
     if from != channels || !channels.is_multiple_of(groups) {
-        return Err(NetworkFault::Count("channels", from, channels));
+        return Err(other_channels(from, channels));
     }
     let outputs = bounded([per_group, groups])?;
     if inputs.optional(2).map_or(outputs, Term::count) != outputs {
@@ -186,21 +194,13 @@ fn transposed<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>) 
         let side = whole
             .checked_sub(window.padding[axis].iter().sum())
             .filter(|side| *side > 0);
-        side.ok_or(NetworkFault::Malformed("its border is larger than the image"))
+        side.ok_or(Message::from("its border is larger than the image"))
     };
     let image = [side(0, rows)?, side(1, columns)?];
     let shape = vec![images, outputs, image[0], image[1]];
     bounded(shape.iter().copied())?;
     bounded([per_group, kernel_rows, kernel_columns, columns])?;
-    let windows = Windows {
-        channels: images * outputs,
-        image,
-        kernel: window.kernel,
-        stride: window.stride,
-        dilation: window.dilation,
-        before: window.padding.map(|[before, _]| before),
-        count: [rows, columns],
-    };
+    let windows = window.on(images * outputs, image, [rows, columns]);
     let layer = Transposed::new(windows, weights(inputs, images, groups, channels)?);
     graph.layer(layer, &[x], shape)
 }
@@ -233,15 +233,10 @@ fn global<T: Number>(graph: &mut Graph<T>, inputs: &Inputs<T>, summary: Summary)
 fn batch_norm<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>) -> Result<Term<T>> {
     let x = inputs.floats(0)?;
     let mut shape = vec![1; x.shape.len().max(2)];
-    shape[1] = *x.shape.get(1).ok_or(NetworkFault::NoAxis(x.shape.len(), 1))?;
+    shape[1] = *x.shape.get(1).ok_or_else(|| no_axis(x.shape.len(), 1))?;
     let per_channel = |i: usize| inputs.floats(i)?.shaped(shape.clone());
     let (scale, shift, mean, variance) = (per_channel(1)?, per_channel(2)?, per_channel(3)?, per_channel(4)?);
-    let epsilon = node.float("epsilon").map_or(1e-5, f64::from);
-    let deviation = Each(move |v: T| {
-        let root = (v.wide() + epsilon).sqrt();
-        (T::of(root), T::of(0.5 / root))
-    });
-    let deviation = graph.layer(deviation, &[&variance], shape.clone())?;
+    let deviation = deviation(node, graph, &variance)?;
     let factor = of_two(graph, Operation::Quotient, &scale, &deviation)?;
     let of_mean = of_two(graph, Operation::Product, &mean, &factor)?;
     let offset = of_two(graph, Operation::Difference, &shift, &of_mean)?;

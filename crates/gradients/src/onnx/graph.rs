@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::run::{Places, Step, ToWhole, Work};
-use super::term::{Held, Kind, Numbers, Result, Slot, Term, bounded};
-use crate::NetworkFault;
+use super::term::{Held, Kind, Numbers, Result, Term, bounded, too_large};
+use crate::layers::tape::Slot;
 use crate::layers::{Layer, Moved, Number};
 
 /// All numbers of all tensors of one image; those of the largest detectors are a tenth of this.
@@ -88,7 +88,7 @@ impl<T: Number> Graph<T> {
     fn keep(&mut self, count: usize) -> Result<()> {
         self.kept += count;
         let fits = self.kept <= MOST_KEPT;
-        fits.then_some(()).ok_or(NetworkFault::TooLarge(MOST_KEPT))
+        fits.then_some(()).ok_or_else(|| too_large(MOST_KEPT))
     }
 
     /// A constant that was made, its numbers counted with all others.

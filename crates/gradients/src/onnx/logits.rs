@@ -9,7 +9,8 @@ use std::sync::Arc;
 
 use super::graph::Graph;
 use super::run::{Step, Work};
-use super::term::{Held, Slot, Term};
+use super::term::{Held, Term};
+use crate::layers::tape::Slot;
 use crate::layers::{Moved, Number};
 
 /// Leads outputs past the last sigmoids. Answers, for each, which of its numbers are logits now; nothing where none is.

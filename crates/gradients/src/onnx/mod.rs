@@ -3,28 +3,30 @@
 //! Each node of a file becomes one of our own operators (`operator`), one file a group, and these become layers on plain arrays (`graph`). All
 //! shapes are fixed when a file is opened, for one image: what does not depend on the image is then a constant. Weights carry no gradient.
 
-mod arithmetic;
-mod choice;
-mod combine;
-mod convolution;
-mod elementwise;
-mod graph;
-mod logits;
-mod operator;
-mod read;
-mod rearrange;
-mod resize;
-mod run;
-mod shapes;
-mod term;
-mod view;
+mod arithmetic; // two tensors, number by number
+mod choice; // the largest numbers, numbers at indices, samples on a grid
+mod combine; // softmax, sums, products of matrices
+mod convolution; // convolution, pooling, normalisation
+mod elementwise; // each number by itself
+mod graph; // a network while it is read
+mod logits; // the numbers before the last sigmoids
+mod operator; // inputs and outputs of operators
+mod read; // nodes of a file as operators
+mod rearrange; // reshape, transpose, slice, concatenate
+mod resize; // resizing and padding
+mod run; // a network as it is run
+mod shapes; // operators that compute shapes
+mod term; // tensors while a network is read
+mod view; // tensors turned, cut or repeated
 
-use run::{Plan, Tape};
+use crate::layers::tape::Tape;
+use run::Plan;
 use scaleproof_detect::onnx_model::Model;
 use term::{Held, NEVER_COMPUTED, Numbers, Term};
 
+use crate::WhiteBoxError;
 use crate::layers::Number;
-use crate::{NetworkFault, WhiteBoxError};
+use scaleproof_core::message::{Message, message};
 
 /// Computes in 32 bits, or in 64 to see what rounding does.
 pub struct OnnxNetwork<T = f32> {
@@ -83,7 +85,7 @@ pub struct NetworkPass<'a, T = f32> {
     tape: Tape<'a, T>,
 }
 
-impl OnnxNetwork {
+impl<T: Number> OnnxNetwork<T> {
     /// Reads an ONNX file's bytes for images of this shape, such as [1, 3, 416, 416]; `file` is only named in errors. `photo_size`
     /// is for a network whose second input is the photo's width and height.
     pub fn read(
@@ -92,23 +94,8 @@ impl OnnxNetwork {
         shape: &[usize],
         photo_size: Option<[u32; 2]>,
     ) -> Result<Self, WhiteBoxError> {
-        OnnxNetwork::read_as(bytes, file, shape, photo_size)
-    }
-}
-
-impl<T: Number> OnnxNetwork<T> {
-    /// [`OnnxNetwork::read`], for a network that computes in 32 or in 64 bits.
-    pub fn read_as(
-        bytes: &[u8],
-        file: &str,
-        shape: &[usize],
-        photo_size: Option<[u32; 2]>,
-    ) -> Result<Self, WhiteBoxError> {
-        let refused = |reason: NetworkFault| {
-            let file = file.to_owned();
-            WhiteBoxError::OnnxNetwork { file, reason }
-        };
-        let model = Model::read(bytes).map_err(|fault| refused(NetworkFault::Unreadable(fault.to_string())))?;
+        let refused = |reason: Message| message!("{file} cannot be differentiated: {reason}");
+        let model = Model::read(bytes).map_err(refused)?;
         let operators = read::operators(&model, file)?;
         let (mut graph, mut terms) = read::graph(&model, &operators, shape, photo_size).map_err(refused)?;
         let logits = logits::expose_logits(&mut graph, &mut terms);
@@ -130,22 +117,20 @@ impl<T: Number> OnnxNetwork<T> {
 
     /// The outputs for an image's numbers, row-major. With `keeps_way` what [`NetworkPass::vjp`] needs stays in memory.
     pub fn forward(&self, image: Vec<f32>, keeps_way: bool) -> Result<NetworkPass<'_, T>, WhiteBoxError> {
-        let failed = |reason: NetworkFault| {
-            let file = self.file.clone();
-            WhiteBoxError::Run { file, reason }
-        };
-        if image.len() != self.count {
-            return Err(failed(NetworkFault::Count("numbers", self.count, image.len())));
+        let failed = |reason: Message| message!("{} failed: {reason}", self.file);
+        let (count, found) = (self.count, image.len());
+        if found != count {
+            return Err(failed(message!("it takes {count} numbers and gets {found}")).into());
         }
         let image = image.into_iter().map(|v| T::of(v.into())).collect();
         let (held, tape) = self.plan.run(image, keeps_way).map_err(failed)?;
-        let output = |output: &NamedOutput<T>| -> Result<Output, WhiteBoxError> {
+        let output = |output: &NamedOutput<T>| -> Result<Output, Message> {
             let numbers = match &output.term.held {
                 Held::Constant(numbers) => Some(numbers),
                 Held::Image(slot, _) => held[*slot].as_ref(),
             };
-            let numbers = numbers.ok_or(NetworkFault::Malformed(NEVER_COMPUTED));
-            Ok(Output::new(output, numbers.map_err(failed)?))
+            let numbers = numbers.ok_or_else(|| failed(NEVER_COMPUTED.into()))?;
+            Ok(Output::new(output, numbers))
         };
         Ok(NetworkPass {
             outputs: self.outputs.iter().map(output).collect::<Result<_, _>>()?,

@@ -2,9 +2,16 @@
 
 use super::graph::Graph;
 use super::term::{Numbers, Result, Term};
-use crate::NetworkFault;
 use crate::layers::Number;
+use scaleproof_core::message::{Message, message};
 use scaleproof_detect::onnx_model::Node;
+
+/// What an operator says whose settings are computed from the image.
+const NOT_KNOWN: &str = "what it is to do depends on what is in the image";
+
+pub(super) fn missing(input: usize) -> Message {
+    message!("its input {input} is missing")
+}
 
 /// Adds an operator's steps to a graph and answers with its outputs, in ONNX's order.
 pub(super) type Operator<'a, T> = Box<dyn Fn(&mut Graph<T>, &Inputs<T>) -> Result<Vec<Term<T>>> + 'a>;
@@ -37,16 +44,16 @@ impl<T: Number> Inputs<T> {
     }
 
     pub(super) fn term(&self, i: usize) -> Result<&Term<T>> {
-        self.optional(i).ok_or(NetworkFault::MissingInput(i))
+        self.optional(i).ok_or_else(|| missing(i))
     }
 
     pub(super) fn floats(&self, i: usize) -> Result<&Term<T>> {
-        self.optional_floats(i)?.ok_or(NetworkFault::MissingInput(i))
+        self.optional_floats(i)?.ok_or_else(|| missing(i))
     }
 
     pub(super) fn optional_floats(&self, i: usize) -> Result<Option<&Term<T>>> {
         match self.optional(i) {
-            Some(term) if term.is_whole() => Err(NetworkFault::WholeInput(i)),
+            Some(term) if term.is_whole() => Err(message!("its input {i} holds whole numbers where fractions belong")),
             other => Ok(other),
         }
     }
@@ -54,8 +61,10 @@ impl<T: Number> Inputs<T> {
     /// Fractions with four axes.
     pub(super) fn planes(&self, i: usize) -> Result<(&Term<T>, [usize; 4])> {
         let term = self.floats(i)?;
-        let sides = term.shape.clone().try_into();
-        Ok((term, sides.map_err(|shape| NetworkFault::Rank(shape, 4))?))
+        match term.shape[..] {
+            [a, b, c, d] => Ok((term, [a, b, c, d])),
+            _ => Err(message!("a tensor {:?} came where rank 4 belongs", term.shape)),
+        }
     }
 
     pub(super) fn whole(&self, i: usize) -> Result<&Term<T>> {
@@ -63,7 +72,7 @@ impl<T: Number> Inputs<T> {
         if term.is_whole() {
             Ok(term)
         } else {
-            Err(NetworkFault::FractionInput(i))
+            Err(message!("its input {i} holds fractions where whole numbers belong"))
         }
     }
 
@@ -71,17 +80,13 @@ impl<T: Number> Inputs<T> {
     pub(super) fn known(&self, i: usize) -> Result<&[i64]> {
         match self.whole(i)?.constant() {
             Some(Numbers::Whole(v)) => Ok(v),
-            _ => Err("what it is to do depends on what is in the image".into()),
+            _ => Err(NOT_KNOWN.into()),
         }
     }
 
     /// Fractions that are the same for every image.
     pub(super) fn known_floats(&self, i: usize) -> Result<&[T]> {
-        let found = self.floats(i)?.constant_floats();
-        let found = found.ok_or(NetworkFault::Malformed(
-            "what it is to do depends on what is in the image",
-        ))?;
-        Ok(found)
+        Ok(self.floats(i)?.constant_floats().ok_or(NOT_KNOWN)?)
     }
 
     /// A setting that older files state and newer ones compute; `None` where it is left out.

@@ -7,14 +7,11 @@ use super::operator::{Inputs, Operator};
 use super::term::{Held, IMAGE, Kind, NEVER_COMPUTED, Result, Term};
 use super::{arithmetic, choice, combine, convolution, elementwise, rearrange, resize, shapes};
 use crate::layers::Number;
-use crate::{NetworkFault, WhiteBoxError};
+use scaleproof_core::message::message;
 use scaleproof_detect::onnx_model::{Model, Node};
 
 /// The operators of a file in its order; `file` is only named in errors.
-pub(super) fn operators<'a, T: Number>(
-    model: &'a Model,
-    file: &str,
-) -> std::result::Result<Vec<Operator<'a, T>>, WhiteBoxError> {
+pub(super) fn operators<'a, T: Number>(model: &'a Model, file: &str) -> Result<Vec<Operator<'a, T>>> {
     let (mut operators, mut unknown) = (Vec::new(), BTreeSet::new());
     for node in &model.nodes {
         match operator(node, model.opset) {
@@ -25,8 +22,10 @@ pub(super) fn operators<'a, T: Number>(
     if unknown.is_empty() {
         return Ok(operators);
     }
-    let (file, names) = (file.to_owned(), Vec::from_iter(unknown).join(", "));
-    Err(WhiteBoxError::Operators { file, names })
+    let names = Vec::from_iter(unknown).join(", ");
+    Err(message!(
+        "{file} has operators that cannot be differentiated here: {names}; attack another detector"
+    ))
 }
 
 fn operator<T: Number>(node: &Node, opset: i64) -> Option<Operator<'_, T>> {
@@ -59,7 +58,7 @@ pub(super) fn graph<T: Number>(
             terms.insert(image, Term { shape, held });
             terms.insert(size, Term::whole(vec![1, 2], photo_size.map(i64::from).to_vec()));
         }
-        (more, _) => return Err(NetworkFault::Count("inputs", more.len(), 1)),
+        (more, _) => return Err(message!("it takes {} inputs and gets 1", more.len())),
     }
     for (node, operator) in model.nodes.iter().zip(operators) {
         graph.node = node.name.as_str().into();
@@ -74,7 +73,7 @@ pub(super) fn graph<T: Number>(
         let outputs = inputs
             .collect::<Result<_>>()
             .and_then(|inputs| operator(&mut graph, &Inputs(inputs)));
-        let outputs = outputs.map_err(|fault| fault.at(&node.name))?;
+        let outputs = outputs.map_err(|fault| message!("at {}: {fault}", node.name))?;
         terms.extend(node.outputs.iter().map(String::as_str).zip(outputs));
     }
     let outputs = model

@@ -1,10 +1,9 @@
 //! Operators that only put numbers elsewhere: reshape, transpose, concatenate, cut, select, repeat.
 
 use super::graph::Graph;
-use super::operator::{Inputs, Operator, one, several};
-use super::term::{Result, Term, axes_of, axis_of, bounded, broadcast};
+use super::operator::{Inputs, Operator, missing, one, several};
+use super::term::{Result, Term, axes_of, axis_of, bounded, broadcast, no_axis};
 use super::view::View;
-use crate::NetworkFault;
 use crate::layers::Number;
 use scaleproof_detect::onnx_model::Node;
 
@@ -51,7 +50,7 @@ fn unsqueeze(old: &[usize], axes: &[i64]) -> Result<Vec<usize>> {
     new.sort_unstable();
     for axis in new {
         if axis > shape.len() {
-            return Err(NetworkFault::NoAxis(shape.len(), axis as i64));
+            return Err(no_axis(shape.len(), axis as i64));
         }
         shape.insert(axis, 1);
     }
@@ -112,7 +111,7 @@ fn concat<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>) -> R
 /// Parts of some axes, with steps. Ends may lie beyond, and count from the end when negative.
 fn slice<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>) -> Result<Term<T>> {
     let x = inputs.term(0)?;
-    let stated = |name: &str, i: usize| inputs.setting(node, name, i)?.ok_or(NetworkFault::MissingInput(i));
+    let stated = |name: &str, i: usize| inputs.setting(node, name, i)?.ok_or_else(|| missing(i));
     let (starts, ends) = (stated("starts", 1)?, stated("ends", 2)?);
     let all: Vec<i64> = (0..starts.len() as i64).collect();
     let ones = vec![1; starts.len()];

@@ -1,11 +1,11 @@
 //! Resizing and padding inside the network.
 
 use super::graph::Graph;
-use super::operator::{Inputs, Operator, one};
+use super::operator::{Inputs, Operator, missing, one};
 use super::term::{Result, Term, axes_of, bounded};
 use super::view::View;
-use crate::NetworkFault;
 use crate::layers::{Number, Separate};
+use scaleproof_core::message::{Message, message};
 use scaleproof_detect::onnx_model::Node;
 
 /// Rows and columns to another number, each by a map whose rows are the kernel's weights.
@@ -123,10 +123,11 @@ impl<'a> Resize<'a> {
 /// Numbers before and after along each axis. `pads`: all befores, then all afters, as ONNX writes them; of the named axes.
 fn pairs(pads: &[i64], axes: &[usize], rank: usize) -> Result<Vec<[usize; 2]>> {
     if pads.len() != 2 * axes.len() {
-        return Err(NetworkFault::Count("paddings", 2 * axes.len(), pads.len()));
+        let (wanted, found) = (2 * axes.len(), pads.len());
+        return Err(message!("it takes {wanted} paddings and gets {found}"));
     }
     let mut pairs = vec![[0, 0]; rank];
-    let side = |by: i64| usize::try_from(by).map_err(|_| NetworkFault::Malformed("it pads by less than nothing"));
+    let side = |by: i64| usize::try_from(by).map_err(|_| Message::from("it pads by less than nothing"));
     for (i, axis) in axes.iter().enumerate() {
         pairs[*axis] = [side(pads[i])?, side(pads[i + axes.len()])?];
     }
@@ -146,7 +147,7 @@ fn inside(at: i64, side: i64, mode: &str) -> Option<i64> {
 /// A border around a tensor.
 fn pad<T: Number>(node: &Node, mode: &str, graph: &mut Graph<T>, inputs: &Inputs<T>) -> Result<Term<T>> {
     let x = inputs.floats(0)?;
-    let pads = inputs.setting(node, "pads", 1)?.ok_or(NetworkFault::MissingInput(1))?;
+    let pads = inputs.setting(node, "pads", 1)?.ok_or_else(|| missing(1))?;
     let axes = match inputs.optional(3) {
         Some(_) => axes_of(inputs.known(3)?, x.shape.len())?,
         None => (0..x.shape.len()).collect(),

@@ -3,8 +3,10 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use super::term::{IMAGE, NEVER_COMPUTED, Numbers, Result, Slot};
-use crate::layers::{Activation, Back, Layer, Moved, Number, Sums, last_uses};
+use super::term::{IMAGE, NEVER_COMPUTED, Numbers, Result};
+use crate::layers::tape::{Recorded, Slot, Tape, backward, last_uses, taken};
+use crate::layers::{Activation, Back, Layer, Moved, Number, Sums};
+use scaleproof_core::message::message;
 
 /// Where in a tensor computed indices point.
 pub(super) type Places = dyn Fn(&[i64]) -> Result<Vec<usize>> + Send + Sync;
@@ -82,9 +84,6 @@ pub(super) struct Step<T> {
     pub is_followed: bool,
 }
 
-/// The backward passes of steps, in the order these were run.
-pub(super) type Tape<'a, T> = Vec<(&'a Step<T>, Back<'a, T>)>;
-
 /// What each slot holds that is asked for, and the tape.
 type Ran<'a, T> = (Vec<Option<Numbers<T>>>, Tape<'a, T>);
 
@@ -134,40 +133,22 @@ impl<T: Number> Plan<T> {
         held[IMAGE] = Some(Numbers::Floats(Arc::new(image)));
         let mut tape = Vec::new();
         for (step, last_uses) in self.steps.iter().zip(&self.last_uses) {
-            let taken = |slot: &Slot| {
-                let numbers = if last_uses.contains(slot) {
-                    held[*slot].take()
-                } else {
-                    held[*slot].clone()
-                };
-                numbers.ok_or(NEVER_COMPUTED.into())
-            };
-            let inputs = step.inputs.iter().map(taken).collect::<Result<_>>()?;
+            let inputs = step.inputs.iter();
+            let inputs = inputs.map(|slot| taken(&mut held, *slot, last_uses).ok_or(NEVER_COMPUTED.into()));
+            let inputs = inputs.collect::<Result<_>>()?;
             let (output, back) = step
                 .work
                 .run(inputs, keeps && step.is_followed)
-                .map_err(|fault| fault.at(&step.node))?;
+                .map_err(|fault| message!("at {}: {fault}", step.node))?;
             held[step.output] = Some(output);
-            tape.extend(back.map(|back| (step, back)));
+            let (output, slots) = (step.output, &step.inputs[..]);
+            tape.extend(back.map(|back| Recorded { output, slots, back }));
         }
         Ok((held, tape))
     }
 
     /// From the derivatives by some slots to that by the image; `None` where nothing comes back.
     pub(super) fn back(&self, tape: Tape<T>, derivatives: impl Iterator<Item = (Slot, Vec<T>)>) -> Option<Vec<T>> {
-        let mut all: Vec<Option<Vec<T>>> = vec![None; self.slots];
-        for (slot, derivative) in derivatives {
-            let (all, slots) = (&mut all, &[slot]);
-            Sums { all, slots }.add(0, derivative);
-        }
-        for (step, back) in tape.into_iter().rev() {
-            // Zeros come back as zeros, at the same cost.
-            let gradient = all[step.output].take();
-            if let Some(gradient) = gradient.filter(|g| g.iter().any(|g| *g != T::ZERO)) {
-                let (all, slots) = (&mut all, &step.inputs);
-                back(gradient, &mut Sums { all, slots });
-            }
-        }
-        all[IMAGE].take()
+        backward(tape, self.slots, derivatives)[IMAGE].take()
     }
 }

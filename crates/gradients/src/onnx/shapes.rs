@@ -2,8 +2,8 @@
 
 use super::operator::{Inputs, Operator, one};
 use super::term::{Result, Term, bounded};
-use crate::NetworkFault;
 use crate::layers::Number;
+use scaleproof_core::message::Message;
 use scaleproof_detect::onnx_model::{Node, Numbers};
 
 /// The sides of a tensor, from one axis to another, which may count from the end.
@@ -42,7 +42,7 @@ fn constant_of_shape<T: Number>(node: &Node, inputs: &Inputs<T>) -> Result<Term<
 fn range<T: Number>(inputs: &Inputs<T>) -> Result<Term<T>> {
     let number = |i: usize| {
         let first = inputs.known(i)?.first().copied();
-        first.ok_or(NetworkFault::Malformed("a bound of it is empty"))
+        first.ok_or(Message::from("a bound of it is empty"))
     };
     let (start, limit, step) = (number(0)?, number(1)?, number(2)?);
     if step == 0 {

@@ -2,17 +2,15 @@
 
 use std::sync::Arc;
 
-use crate::NetworkFault;
+use crate::layers::tape::Slot;
 use crate::layers::{Array, Number};
+use scaleproof_core::message::{Message, message};
 use scaleproof_detect::onnx_model;
-
-/// A place of its own for the numbers of each tensor of an image.
-pub(super) type Slot = usize;
 
 /// Where the image's numbers are.
 pub(super) const IMAGE: Slot = 0;
 
-pub(super) type Result<T> = std::result::Result<T, NetworkFault>;
+pub(super) type Result<T> = std::result::Result<T, Message>;
 
 /// Row-major; truth values are 0 and 1.
 #[derive(Debug, Clone)]
@@ -95,7 +93,7 @@ impl<T: Number> Term<T> {
     /// The same numbers in another shape.
     pub(super) fn shaped(&self, shape: Vec<usize>) -> Result<Term<T>> {
         if bounded(shape.iter().copied())? != self.count() {
-            return Err(NetworkFault::Reshape(self.shape.clone(), shape));
+            return Err(message!("a tensor {:?} cannot become {shape:?}", self.shape));
         }
         let held = self.held.clone();
         Ok(Term { shape, held })
@@ -151,8 +149,20 @@ pub(super) fn bounded(sides: impl IntoIterator<Item = usize>) -> Result<usize> {
     }
     match count {
         ..=MOST_NUMBERS => Ok(if is_empty { 0 } else { count }),
-        _ => Err(NetworkFault::TooLarge(MOST_NUMBERS)),
+        _ => Err(too_large(MOST_NUMBERS)),
     }
+}
+
+pub(super) fn too_large(most: usize) -> Message {
+    message!("its tensors would have more than {most} numbers")
+}
+
+pub(super) fn mismatch(what: &str, a: &[usize], b: &[usize]) -> Message {
+    message!("{what} {a:?} and {b:?} do not go together")
+}
+
+pub(super) fn no_axis(rank: usize, axis: i64) -> Message {
+    message!("a tensor of rank {rank} has no axis {axis}")
 }
 
 /// The shape two shapes broadcast to (ONNX: Multidirectional Broadcasting).
@@ -162,7 +172,7 @@ pub(super) fn broadcast(a: &[usize], b: &[usize]) -> Result<Vec<usize>> {
     let shape = (0..rank).map(|i| match (side(a, i), side(b, i)) {
         (x, y) if x == y || y == 1 => Ok(x),
         (1, y) => Ok(y),
-        _ => Err(NetworkFault::Mismatch("tensors", a.to_vec(), b.to_vec())),
+        _ => Err(mismatch("tensors", a, b)),
     });
     let shape = shape.collect::<Result<Vec<_>>>()?;
     bounded(shape.iter().copied())?;
@@ -177,7 +187,7 @@ pub(super) fn axis_of(axis: i64, rank: usize) -> Result<usize> {
         axis
     });
     let axis_there = from_start.ok().filter(|a| *a < rank);
-    axis_there.ok_or(NetworkFault::NoAxis(rank, axis))
+    axis_there.ok_or_else(|| no_axis(rank, axis))
 }
 
 /// Several axes that may count from the end.

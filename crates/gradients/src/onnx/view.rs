@@ -2,8 +2,8 @@
 
 use super::graph::Graph;
 use super::term::{Result, Term, bounded, broadcast};
-use crate::NetworkFault;
 use crate::layers::Number;
+use scaleproof_core::message::message;
 
 /// Indices into a tensor's numbers, row-major.
 pub(super) struct View {
@@ -60,7 +60,7 @@ impl View {
     pub(super) fn taken(self, axis: usize, indices: &[usize]) -> Result<View> {
         let side = self.shape[axis];
         if indices.is_empty() || indices.iter().any(|p| *p >= side) {
-            return Err(NetworkFault::Indices(indices.to_vec(), side));
+            return Err(message!("it asks for indices {indices:?} of an axis of length {side}"));
         }
         let mut shape = self.shape;
         shape[axis] = indices.len();

@@ -9,7 +9,6 @@ use scaleproof_core::files;
 use scaleproof_frames::FrameSet;
 use scaleproof_frames::surrogate::chart::{draw, draw_training, measure, numbers, table};
 use scaleproof_frames::surrogate::dtn::file;
-use scaleproof_frames::surrogate::renderer::NeuralRenderer;
 
 /// Every surrogate renderer on frames: error in flat colours it has not seen, and with patterns, against milliseconds
 #[derive(clap::Args)]
@@ -40,7 +39,6 @@ pub(super) fn run(args: &ChartArgs, out: &mut dyn Write) -> CommandResult {
         let networks = networks
             .map(|trainer| Ok(trainer?.network()))
             .collect::<Result<Vec<_>>>()?;
-        let networks: Vec<&dyn NeuralRenderer> = networks.iter().map(|network| network as _).collect();
         Ok(measure(&set, &references, &networks, || bar.inc(1))?)
     })?;
     let json = numbers(&set, &args.reference, &rows)?;

@@ -114,7 +114,7 @@ impl HistoryArgs {
         runs.map(|(folder, history)| {
             let pattern = folder.join(result::PATTERN);
             check_own(&pattern)?;
-            let figures = figures_of(evaluation, (&pattern, history.tile_mm), history.classes.as_ref())?;
+            let figures = figures_of(evaluation, &pattern, history.tile_mm, history.classes.as_ref())?;
             Ok(RenderedRun::new(history, figures))
         })
         .collect()

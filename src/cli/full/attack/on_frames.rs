@@ -153,7 +153,7 @@ impl Looking {
             let labels = manifest.counted(self.class.labels())?;
             let path = folders.checked(&manifest)?;
             named.push(format!("{} {:.12}", manifest.name, manifest.weights.sha256));
-            all.push(Box::new(OnnxDetector::open(&manifest, &path, &labels)?));
+            all.push(Box::new(OnnxDetector::<f32>::open(&manifest, &path, &labels)?));
         }
         Ok((all, named))
     }

@@ -87,7 +87,7 @@ fn outputs_and_gradients_are_those_of_the_engine_before() {
     for (manifest, path, photo_size) in all() {
         let [width, height] = manifest.input.size_px.map(|side| side as usize);
         let (bytes, shape) = (std::fs::read(path).unwrap(), [1, 3, height, width]);
-        let network = OnnxNetwork::read(&bytes, &manifest.name, &shape, photo_size);
+        let network = OnnxNetwork::<f32>::read(&bytes, &manifest.name, &shape, photo_size);
         found.insert(
             manifest.name.clone(),
             looked(&network.unwrap(), numbers(&photo, &manifest)),

@@ -1,25 +1,28 @@
-//! What a network learns from: views of frames, cut down to their paint.
+//! Training data of a network: views of frames, cropped to their paint.
 
 use std::collections::BTreeSet;
 
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
-use super::{Architecture, DtnError};
+use super::Architecture;
 use crate::surrogate::additive::Additive;
-use crate::{Coverage, Frame, FrameSet, light, reduced, views};
+use crate::{Coverage, Frame, FrameSet, FramesError, light, reduced, views};
 use scaleproof_core::files;
+use scaleproof_core::message::bail;
 
+/// Least width of a reduced image.
+pub const LEAST_WIDTH_PX: u32 = 16;
 /// Between the paint and the window's edge, where the convolutions see the padding.
 const MARGIN_PX: usize = 4;
-/// A random light is so much brighter or darker at most, as a power of two, and so much of another colour.
+/// Largest change of a random light's brightness and of each channel, as powers of two.
 const EXPOSURE: f64 = 0.7;
 const TINT: f64 = 0.2;
 /// Every fourth of the views' azimuths, and of the flat colours of frames without linear light, is kept for validation.
 const EVERY: usize = 4;
 const VALIDATION_COLOURS: usize = 8;
 
-/// The pixels that the paint covers by half or more, row by row.
+/// Pixels that the paint covers by half or more, row by row.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PaintPixels {
     pub at: Vec<[u32; 2]>,
@@ -29,6 +32,7 @@ pub struct PaintPixels {
 }
 
 impl PaintPixels {
+    /// Finds the pixels in a mask.
     pub fn covered(mask: &Coverage) -> Self {
         let covered = mask.enumerate_pixels().filter(|(_, _, p)| p.0[0] >= 128);
         let at: Vec<[u32; 2]> = covered.map(|(x, y, _)| [x, y]).collect();
@@ -46,14 +50,14 @@ impl PaintPixels {
     }
 }
 
-/// What the network sees: a part of the image, or more than it.
+/// Input size of the network: of a part of the image, or of more than it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct PaintWindow {
     pub width: usize,
     pub height: usize,
 }
 
-/// Where the corner of the paint's box lies in a window.
+/// Position of the corner of the paint's box in a window.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CropPlacement {
     x: usize,
@@ -62,7 +66,7 @@ pub(super) struct CropPlacement {
 }
 
 impl PaintWindow {
-    /// Holds any of these with a margin.
+    /// Returns the window that holds any of these with a margin.
     pub(super) fn around(all: &[&PaintPixels]) -> Self {
         let side = |axis: usize| {
             let most = all.iter().map(|p| p.size[axis]).max().unwrap_or(1);
@@ -74,7 +78,7 @@ impl PaintWindow {
         }
     }
 
-    /// Rows and columns.
+    /// Returns rows and columns.
     pub(super) fn size(self) -> [usize; 2] {
         [self.height, self.width]
     }
@@ -100,7 +104,7 @@ impl PaintWindow {
         }
     }
 
-    /// Where each paint pixel is in the window, which is stored row by row.
+    /// Returns the index of each paint pixel in the window, which is stored row by row.
     pub(super) fn places(self, paint: &PaintPixels, placement: CropPlacement) -> impl Iterator<Item = usize> {
         let low = paint.low;
         paint.at.iter().map(move |[x, y]| {
@@ -120,17 +124,18 @@ impl PaintWindow {
     }
 }
 
+/// View of training data.
 #[derive(Debug, Clone)]
 pub struct TrainingView {
     place: String,
     azimuth_deg: f64,
     pub paint: PaintPixels,
     light: Option<Additive>,
-    /// Without linear light: sRGB 0 to 1 of the paint's pixels in these colours and no other.
+    /// Of a view without linear light: sRGB 0 to 1 of the paint's pixels in these colours and no other.
     images: Vec<([u8; 3], Vec<[f32; 3]>)>,
 }
 
-/// Each channel of all light by a factor.
+/// Factor of each channel of all light.
 type Exposure = [f64; 3];
 
 fn exposure(rng: &mut impl Rng) -> Exposure {
@@ -138,7 +143,7 @@ fn exposure(rng: &mut impl Rng) -> Exposure {
     std::array::from_fn(|_| (all + rng.random_range(-TINT..TINT)).exp2())
 }
 
-/// A light that has not been there: the view's own, brighter or darker and tinted, and now and then another's of the same pose added to it.
+/// Random light: the view's own, brighter or darker and tinted, and now and then another's of the same pose added to it.
 pub(super) struct NewLight<'a> {
     own: Exposure,
     added: Option<(&'a Additive, Exposure)>,
@@ -170,7 +175,7 @@ impl<'a> NewLight<'a> {
 }
 
 impl TrainingView {
-    /// sRGB 0 to 1 of the paint's pixels; `None` for a colour that the view has not. Images without linear light keep their exposure.
+    /// Computes sRGB 0 to 1 of the paint's pixels; `None` for a colour that the view has not. Images without linear light keep their exposure.
     pub(super) fn image(&self, rgb: [u8; 3], new: &NewLight) -> Option<Vec<[f32; 3]>> {
         let Some(additive) = &self.light else {
             let image = self.images.iter().find(|(colour, _)| *colour == rgb);
@@ -185,7 +190,7 @@ impl TrainingView {
         Some(light.iter().map(|p| p.map(|v| light::encode(v) as f32)).collect())
     }
 
-    /// Another image from the same place, whose light can be added to this one's.
+    /// Returns true for another image of the same pose, whose light can be added to this one's.
     fn is_same_pose(&self, other: &Self) -> bool {
         let is_of_light = self.light.is_some() && other.light.is_some();
         is_of_light && !std::ptr::eq(self, other) && self.paint == other.paint
@@ -195,6 +200,7 @@ impl TrainingView {
         self.images.iter().map(|(colour, _)| *colour)
     }
 
+    /// Draws a colour to learn from.
     pub(super) fn colour(&self, set: &TrainingSet, rng: &mut impl Rng) -> [u8; 3] {
         if let Some(light) = &self.light {
             return light.between(std::array::from_fn(|_| rng.random()));
@@ -206,6 +212,7 @@ impl TrainingView {
         }
     }
 
+    /// Lists the colours to validate in.
     pub(super) fn validation_colours(&self, set: &TrainingSet) -> Vec<[u8; 3]> {
         let Some(light) = &self.light else {
             return self.colours().filter(|c| set.unseen.contains(c)).collect();
@@ -216,18 +223,18 @@ impl TrainingView {
     }
 }
 
-/// Linear light in a colour.
+/// Computes linear light in a colour.
 fn exposed(additive: &Additive, rgb: [u8; 3], exposure: Exposure) -> Vec<[f64; 3]> {
     let pixel = |p: &[f32; 3]| std::array::from_fn(|c| f64::from(p[c]) * exposure[c]);
     additive.light(rgb).iter().map(pixel).collect()
 }
 
-/// Views to learn from, and views that show what was learnt.
+/// Training and validation views.
 #[derive(Debug, Clone)]
 pub struct TrainingSet {
     pub training: Vec<TrainingView>,
     pub validation: Vec<TrainingView>,
-    /// How the two differ.
+    /// Difference of the two, in words.
     pub split: String,
     /// Colours of frames without linear light that no step uses.
     unseen: BTreeSet<[u8; 3]>,
@@ -244,7 +251,7 @@ impl TrainingSet {
         width_px: u32,
         references: &[[u8; 3]],
         on_view: impl Fn(),
-    ) -> Result<Self, DtnError> {
+    ) -> Result<Self, FramesError> {
         let sets = folders.iter().chain(validation);
         let mut known: String = sets.map(|set| set.sha256.as_str()).collect();
         let mut all = Vec::new();
@@ -275,15 +282,16 @@ fn read(
     width_px: u32,
     references: &[[u8; 3]],
     on_view: impl Fn(),
-) -> Result<Vec<TrainingView>, DtnError> {
+) -> Result<Vec<TrainingView>, FramesError> {
     let found = set.list.size_px;
     let factor = found[0].checked_div(width_px).unwrap_or(0);
     if factor == 0 || factor * width_px != found[0] || !found[1].is_multiple_of(factor) {
-        return Err(DtnError::Width {
-            folder: set.folder.clone(),
-            found,
-            asked: width_px,
-        });
+        let (folder, [width, height]) = (set.folder.display(), found);
+        bail!(
+            "{folder}: images of {width}×{height} pixels cannot be reduced to a width of {width_px} by a whole factor of both sides; widths that can be \
+             had: {}", widths(found);
+            hint: "‹width_px› takes one of them"
+        );
     }
     let mut all = Vec::new();
     for view in views(&set.list.frames) {
@@ -292,19 +300,29 @@ fn read(
     }
     if all.is_empty() {
         let colour = references.first().map(|rgb| light::to_hex(*rgb)).unwrap_or_default();
-        let folder = set.folder.clone();
-        return Err(DtnError::NoViews { folder, colour });
+        bail!(
+            "{}: no view has paint, the reference colour {colour} and another flat colour; render flat colours, or name another reference",
+            set.folder.display();
+            hint: "flat colours are ‹flat› of attack render, the reference is ‹reference›"
+        );
     }
     Ok(all)
 }
 
-/// `None` for a view without paint or without its colours.
+/// Lists the widths that images of a size can be reduced to, for a sentence.
+fn widths([width, height]: [u32; 2]) -> String {
+    let factors = (1..=width / LEAST_WIDTH_PX).filter(|f| width.is_multiple_of(*f) && height.is_multiple_of(*f));
+    let widths: Vec<String> = factors.map(|factor| (width / factor).to_string()).collect();
+    widths.join(", ")
+}
+
+/// Reads a view; `None` for one without paint or without its colours.
 fn training_view(
     set: &FrameSet,
     view: &[&Frame],
     factor: u32,
     references: &[[u8; 3]],
-) -> Result<Option<TrainingView>, DtnError> {
+) -> Result<Option<TrainingView>, FramesError> {
     let [width, height] = set.list.size_px;
     let mask = set.paint_mask(view[0])?;
     let levels = mask.pixels().map(|p| [f32::from(p.0[0]); 3]);
@@ -325,10 +343,8 @@ fn training_view(
         for frame in view {
             let Some(rgb) = frame.flat_rgb() else { continue };
             let image = set.rgb(frame)?;
-            let linear: Vec<_> = image
-                .pixels()
-                .map(|p| light::linear_of(p.0).map(|v| v as f32))
-                .collect();
+            let linear = image.pixels().map(|p| light::linear_of(p.0).map(|v| v as f32));
+            let linear: Vec<_> = linear.collect();
             let srgb = |p: &[f32; 3]| p.map(|v| light::encode(f64::from(v)) as f32);
             images.push((rgb, of_paint(&linear).iter().map(srgb).collect()));
         }
@@ -347,7 +363,7 @@ fn training_view(
     }))
 }
 
-/// Training, validation, and how they differ.
+/// Divides views into training and validation; the text says how the two differ.
 fn divide(all: Vec<TrainingView>) -> (Vec<TrainingView>, Vec<TrainingView>, String) {
     let places: BTreeSet<String> = all.iter().map(|v| v.place.clone()).collect();
     let azimuths: BTreeSet<i64> = all.iter().map(azimuth_key).collect();
@@ -382,7 +398,7 @@ fn azimuth_key(view: &TrainingView) -> i64 {
     (view.azimuth_deg * 100.0).round() as i64
 }
 
-/// The colours kept for validation: every fourth of those that cannot be computed from linear light.
+/// Chooses the colours kept for validation: every fourth of those that cannot be computed from linear light.
 fn unseen(training: &[TrainingView], validation: &[TrainingView], references: &[[u8; 3]]) -> BTreeSet<[u8; 3]> {
     let views = training.iter().chain(validation);
     let colours: BTreeSet<[u8; 3]> = views.flat_map(TrainingView::colours).collect();

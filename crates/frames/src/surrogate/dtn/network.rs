@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::Transformer;
 use scaleproof_gradients::layers::learning::{By, Kernel, Network, Output};
 
-/// How the encoder's convolutions are connected.
+/// Connection of the encoder's convolutions.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 #[allow(clippy::enum_variant_names)] // so they are called
@@ -32,18 +32,18 @@ impl Encoder {
     }
 }
 
-/// Which network.
+/// Architecture of a network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Architecture {
     pub encoder: Encoder,
-    /// k, 1 to [`Architecture::MAX_DEPTH`]: how often the image is halved.
+    /// k, 1 to [`Architecture::MAX_DEPTH`]: the number of times that the image is halved.
     pub depth: usize,
     pub transformer: Transformer,
 }
 
 impl Architecture {
     pub const MAX_DEPTH: usize = WIDTHS.len();
-    /// Windows are a multiple of so many pixels, for every depth.
+    /// Factor of windows' sides, px, for every depth.
     pub const ALIGN_PX: usize = 1 << Self::MAX_DEPTH;
 
     pub fn name(&self) -> String {
@@ -67,7 +67,7 @@ impl Architecture {
 const WIDTHS: [usize; 4] = [16, 32, 64, 96];
 const FULL_SIZE_WIDTH: usize = 24;
 
-/// A darker reference shows too little for a first guess, sRGB.
+/// Darkest reference that a first guess is made from, sRGB; darker ones count as this.
 const DARKEST_REFERENCE: f32 = 0.25;
 
 #[derive(Debug, Clone, Copy)]
@@ -130,13 +130,13 @@ impl LayerShapes {
         Self { architecture, convs }
     }
 
-    /// Whether lists have the lengths of the weights, in their order: kernels (outputs × inputs × rows × columns) and biases.
+    /// Returns true when lists have the lengths of the weights, in their order: kernels (outputs × inputs × rows × columns) and biases.
     pub(super) fn fits<'a>(&self, lists: impl IntoIterator<Item = &'a Vec<f32>>) -> bool {
         let lengths = self.convs.iter().flat_map(|c| [c.outs * c.count(), c.outs]);
         lists.into_iter().map(Vec::len).eq(lengths)
     }
 
-    /// First weights: such that f starts about as `x = η · x_ref / η_ref`, which is the reference image where η is the reference, both ReLUs open for
+    /// Returns the first weights: such that f starts about as `x = η · x_ref / η_ref`, which is the reference image where η is the reference, both ReLUs open for
     /// every η ([`Transformer::open`]). A ReLU that is shut everywhere learns nothing any more, and this is the best guess
     /// that needs no training. Three features of the full size carry x_ref to the multiplying map; the others start at random.
     pub(super) fn first_weights(&self, seed: u64, references: &[[u8; 3]]) -> Vec<Vec<f32>> {
@@ -158,7 +158,7 @@ impl LayerShapes {
             feature[9 * (last.ins - 3 + channel) + 4] = 1.0;
             let levels = references.iter().map(|rgb| f32::from(rgb[channel]) / 255.0);
             let eta = (levels.sum::<f32>() / references.len().max(1) as f32).max(DARKEST_REFERENCE);
-            transformer.spread(channel, transformer.open(), |map, bias| {
+            transformer.scatter(channel, transformer.open(), |map, bias| {
                 weights[2 * out_at + 1][map] = bias as f32;
                 if map == transformer.multiplying(channel) {
                     weights[2 * out_at][map * out.ins + channel] = 1.0 / eta;
@@ -168,7 +168,7 @@ impl LayerShapes {
         weights
     }
 
-    /// The network for a window of so many rows and columns, multiples of [`Architecture::ALIGN_PX`]: from the reference image, sRGB 0 to 1, 0 outside the
+    /// Builds the network for a window of `size` rows and columns, multiples of [`Architecture::ALIGN_PX`]: from the reference image, sRGB 0 to 1, 0 outside the
     /// paint, channel by channel, to TF. `weights` fit ([`LayerShapes::fits`]).
     pub(super) fn network(&self, weights: &[Vec<f32>], size: [usize; 2]) -> Network {
         let (network, reference) = Network::new(3, size, By::Weights);
@@ -177,20 +177,20 @@ impl LayerShapes {
         let mut sizes = vec![reference];
         let mut x = reference;
         for _ in 0..self.architecture.halvings() {
-            x = next.opened(x);
-            let grown = next.opened(x);
+            x = next.convolve_relu(x);
+            let grown = next.convolve_relu(x);
             x = match self.architecture.encoder {
-                Encoder::ConvNet => next.opened(grown),
+                Encoder::ConvNet => next.convolve_relu(grown),
                 Encoder::ResNet => {
-                    let added = next.convolved(grown);
+                    let added = next.convolve(grown);
                     let sum = next.network.sum(x, added);
                     next.network.relu(sum)
                 }
                 Encoder::DenseNet => {
                     let x = next.network.joined(x, grown);
-                    let grown = next.opened(x);
+                    let grown = next.convolve_relu(x);
                     let x = next.network.joined(x, grown);
-                    next.opened(x)
+                    next.convolve_relu(x)
                 }
             };
             sizes.push(x);
@@ -199,9 +199,9 @@ impl LayerShapes {
         while let Some(beside) = sizes.pop() {
             let doubled = next.network.doubled(x);
             let both = next.network.joined(doubled, beside);
-            x = next.opened(both);
+            x = next.convolve_relu(both);
         }
-        next.convolved(x);
+        next.convolve(x);
         next.network
     }
 }
@@ -213,8 +213,8 @@ struct Layers<I> {
 }
 
 impl<'a, I: Iterator<Item = (&'a Conv, &'a [Vec<f32>])>> Layers<I> {
-    /// x through the next convolution.
-    fn convolved(&mut self, x: Output) -> Output {
+    /// Appends the next convolution.
+    fn convolve(&mut self, x: Output) -> Output {
         let Some((conv, weights)) = self.layers.next() else {
             return x;
         };
@@ -226,9 +226,9 @@ impl<'a, I: Iterator<Item = (&'a Conv, &'a [Vec<f32>])>> Layers<I> {
         self.network.convolution(x, kernel, [&weights[0], &weights[1]])
     }
 
-    /// And through a ReLU.
-    fn opened(&mut self, x: Output) -> Output {
-        let x = self.convolved(x);
+    /// Appends the next convolution and a ReLU.
+    fn convolve_relu(&mut self, x: Output) -> Output {
+        let x = self.convolve(x);
         self.network.relu(x)
     }
 }

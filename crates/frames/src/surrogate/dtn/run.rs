@@ -4,13 +4,14 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::data::TrainingSet;
+use super::file;
 use super::training::{Trainer, VALIDATE_EVERY};
-use super::{DtnError, file};
+use crate::FramesError;
 
-/// What is lost at most when training is interrupted.
+/// Longest training time between two saves.
 const SAVE_EVERY_SECONDS: f64 = 30.0;
 
-/// When training ends, over all its runs together.
+/// End of training, over all its runs together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum TrainingBudget {
     /// The number of passes over all training views.
@@ -35,7 +36,7 @@ pub fn train(
     budget: TrainingBudget,
     path: &Path,
     mut on_step: impl FnMut(&Trainer, f64),
-) -> Result<(), DtnError> {
+) -> Result<(), FramesError> {
     let mut saved_at = trainer.seconds;
     while !budget.is_spent(trainer, set) {
         let start = Instant::now();

@@ -6,21 +6,22 @@ use super::Transformer;
 use super::data::{PaintPixels, PaintWindow};
 use super::network::{Architecture, LayerShapes};
 use super::transformer::Maps;
-use crate::surrogate::renderer::{NeuralRenderer, Renderer};
+use crate::surrogate::renderer::Renderer;
 use crate::{Coverage, light};
 
+/// Trained network.
 #[derive(Debug, Clone)]
 pub struct DtnNetwork {
     pub architecture: Architecture,
-    /// Colours it was trained to start from; it takes an image in any of them.
+    /// Reference colours, 8-bit sRGB, that it was trained to start from; it takes an image in any of them.
     pub references: Vec<[u8; 3]>,
-    /// Time spent on its training.
+    /// Time spent on its training, s.
     pub training_seconds: f64,
     pub(super) weights: Vec<Vec<f32>>,
 }
 
 impl DtnNetwork {
-    /// TF of each paint pixel, `channels` values each, from the sRGB of those pixels in the reference image.
+    /// Computes TF of each paint pixel, `channels` values each, from the sRGB of those pixels in the reference image.
     pub(super) fn maps(&self, paint: &PaintPixels, reference: &[[f32; 3]]) -> Vec<f32> {
         let window = PaintWindow::around(&[paint]);
         let mut input = vec![0.0; 3 * window.pixels()];
@@ -35,7 +36,7 @@ impl DtnNetwork {
         window.places(paint, at).flat_map(of_pixel).collect()
     }
 
-    /// The surrogate renderer of a view, from its image in a reference colour.
+    /// Prepares the surrogate renderer of a view, from its image in a reference colour and the paint's coverage, of one size.
     pub fn view(&self, reference: &RgbImage, mask: &Coverage) -> DtnView {
         let paint = PaintPixels::covered(mask);
         let image: Vec<[f64; 3]> = reference.pixels().map(|p| p.0.map(|v| f64::from(v) / 255.0)).collect();
@@ -56,25 +57,7 @@ impl DtnNetwork {
     }
 }
 
-impl NeuralRenderer for DtnNetwork {
-    fn name(&self) -> String {
-        self.architecture.name()
-    }
-
-    fn references(&self) -> &[[u8; 3]] {
-        &self.references
-    }
-
-    fn training_seconds(&self) -> f64 {
-        self.training_seconds
-    }
-
-    fn of_view(&self, reference: &RgbImage, mask: &Coverage) -> Result<Box<dyn Renderer>, String> {
-        Ok(Box::new(self.view(reference, mask)))
-    }
-}
-
-/// The maps of one view. Outside the paint the image is the reference's.
+/// Surrogate renderer of one view: its maps. Outside the paint the image is the reference's.
 #[derive(Debug, Clone)]
 pub struct DtnView {
     transformer: Transformer,
@@ -85,7 +68,7 @@ pub struct DtnView {
 }
 
 impl DtnView {
-    /// An image with `value` of the maps and η, the sRGB of the reflectance, in each channel of each paint pixel.
+    /// Returns an image with `value` of the maps and η, the sRGB of the reflectance, in each channel of each paint pixel.
     fn filled(&self, mut image: Vec<[f64; 3]>, paint: &[[f64; 3]], value: impl Fn(Maps, f64) -> f64) -> Vec<[f64; 3]> {
         let maps = self.maps.chunks_exact(self.transformer.channels());
         for (maps, &at) in maps.zip(&self.index) {

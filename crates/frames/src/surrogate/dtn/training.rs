@@ -17,8 +17,9 @@ use serde::{Deserialize, Serialize};
 use super::data::{CropPlacement, NewLight, PaintWindow, TrainingSet, TrainingView};
 use super::network::LayerShapes;
 use super::trained::DtnNetwork;
-use super::{Architecture, DtnError, Transformer};
-use crate::{light, require};
+use super::{Architecture, Transformer};
+use crate::{FramesError, light};
+use scaleproof_core::message::{Hint, bail};
 use scaleproof_gradients::adam::Adam;
 
 const ADAM: Adam = Adam {
@@ -27,14 +28,14 @@ const ADAM: Adam = Adam {
 };
 const BATCH_VIEWS: usize = 8;
 const COLOURS_A_VIEW: usize = 4;
-/// What a mean of weights keeps of itself in a step, once it has seen enough.
+/// Decay of the running mean of weights, after the first steps.
 const MEAN_KEEPS: f64 = 0.998;
 /// Steps between two validations.
 pub const VALIDATE_EVERY: u64 = 100;
-/// Cross-entropy is infinite at 0 and 1; its derivative is cut to what it is so far from them.
+/// Distance from 0 and 1 nearer than which the derivative of the cross-entropy, infinite there, stays the same.
 const EDGE: f64 = 0.01;
 
-/// What must be the same for training to go on.
+/// Settings that must be the same for training to go on.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TrainingPlan {
     pub architecture: Architecture,
@@ -58,7 +59,7 @@ pub struct TrainingProgress {
     pub validation_mse: Option<f64>,
 }
 
-/// Training under way, as it is saved.
+/// State of a training, as it is saved.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Trainer {
     plan: TrainingPlan,
@@ -78,12 +79,12 @@ struct Sample<'a> {
     view: &'a TrainingView,
     placement: CropPlacement,
     reference: Vec<[f32; 3]>,
-    /// Colours and what they look like.
+    /// Colours and the paint's pixels in them, sRGB 0 to 1.
     targets: Vec<([u8; 3], Vec<[f32; 3]>)>,
 }
 
 impl TrainingPlan {
-    /// What it says otherwise than another.
+    /// Lists the settings in which this plan differs from another.
     fn differences(&self, other: &Self) -> String {
         let colours: Vec<String> = self.references.iter().map(|rgb| light::to_hex(*rgb)).collect();
         let references = format!("the reference {}", colours.join(" "));
@@ -101,19 +102,21 @@ impl TrainingPlan {
 }
 
 impl Trainer {
-    /// Begins, or resumes what `path` holds.
-    pub fn begin(plan: TrainingPlan, known: Option<Self>, path: &Path) -> Result<Self, DtnError> {
+    /// Begins a training, or resumes the known one of the file `path`.
+    pub fn begin(plan: TrainingPlan, known: Option<Self>, path: &Path) -> Result<Self, FramesError> {
         match known {
             None => Ok(Self::new(plan)),
             Some(known) if known.plan == plan => Ok(known),
-            Some(known) => Err(DtnError::OtherTraining {
-                path: path.to_owned(),
-                found: known.plan.differences(&plan),
-                asked: plan.differences(&known.plan),
-            }),
+            Some(known) => bail!(
+                "{} was trained with {}, and not with {}: give the same again, or another file",
+                path.display(),
+                known.plan.differences(&plan),
+                plan.differences(&known.plan)
+            ),
         }
     }
 
+    /// Begins a training.
     pub fn new(plan: TrainingPlan) -> Self {
         let first = LayerShapes::new(plan.architecture).first_weights(plan.seed, &plan.references);
         Self {
@@ -128,7 +131,7 @@ impl Trainer {
         }
     }
 
-    /// Whether there is a network in it: its weights are those of its architecture.
+    /// Returns true when the weights are those of its architecture.
     pub(super) fn is_whole(&self) -> bool {
         if !self.plan.architecture.is_possible() || self.plan.references.is_empty() {
             return false;
@@ -140,25 +143,29 @@ impl Trainer {
         fits && (self.moments.is_empty() || layout.fits(first) && layout.fits(second))
     }
 
-    /// # Errors
-    /// Weights that are no numbers any more.
-    pub(super) fn check_numbers(&self) -> Result<(), DtnError> {
+    /// Fails when a weight is not finite any more.
+    pub(super) fn check_numbers(&self) -> Result<(), FramesError> {
         let moments = self.moments.iter().flat_map(|(first, second)| [first, second]);
         let mut numbers = self.weights.iter().chain(&self.mean).chain(moments).flatten();
-        require(numbers.all(|v| v.is_finite()), || self.broken_down())
+        self.check_finite(numbers.all(|v| v.is_finite()))
     }
 
-    fn broken_down(&self) -> DtnError {
-        DtnError::NotFinite { step: self.steps }
+    fn check_finite(&self, is_finite: bool) -> Result<(), FramesError> {
+        let (step, hint) = (self.steps, Hint::new("the seed is ‹seed›"));
+        if is_finite {
+            Ok(())
+        } else {
+            Err(FramesError::NotFinite { step, hint })
+        }
     }
 
-    /// Steps that see every training view once.
+    /// Counts the steps that see every training view once.
     pub fn steps_an_epoch(set: &TrainingSet) -> u64 {
         set.training.len().div_ceil(BATCH_VIEWS) as u64
     }
 
-    /// One step; returns its loss.
-    pub fn step(&mut self, set: &TrainingSet) -> Result<f64, DtnError> {
+    /// Takes one step; returns its loss.
+    pub fn step(&mut self, set: &TrainingSet) -> Result<f64, FramesError> {
         let (window, batch) = self.batch(set);
         let image = |sample: &Sample| {
             let mut image = vec![0.0; 3 * window.pixels()];
@@ -167,16 +174,16 @@ impl Trainer {
         };
         let share = 1.0 / batch.len() as f64;
         let loss =
-            |sample: &Sample, maps: &[f32]| loss(self.plan.architecture.transformer, (sample, share), window, maps);
+            |sample: &Sample, maps: &[f32]| loss(self.plan.architecture.transformer, sample, share, window, maps);
         let network = LayerShapes::new(self.plan.architecture).network(&self.weights, window.size());
         let (loss, gradients) = network.loss_and_derivatives(&batch, image, loss);
-        require(loss.is_finite(), || self.broken_down())?;
+        self.check_finite(loss.is_finite())?;
         self.move_weights(&gradients);
         self.losses = (self.losses.0 + loss, self.losses.1 + 1);
         Ok(loss)
     }
 
-    /// One step of Adam, and of the mean.
+    /// Takes one step of Adam, and of the mean.
     fn move_weights(&mut self, gradients: &[Vec<f32>]) {
         if self.moments.is_empty() {
             let zeros = |list: &Vec<f32>| (vec![0.0; list.len()], vec![0.0; list.len()]);
@@ -195,7 +202,7 @@ impl Trainer {
         }
     }
 
-    /// The views of this step: those of an epoch in random order, every one once, in batches of like size, so that a window is no larger than
+    /// Draws the views of this step: those of an epoch in random order, every one once, in batches of like size, so that a window is no larger than
     /// its views need.
     fn batch<'a>(&self, set: &'a TrainingSet) -> (PaintWindow, Vec<Sample<'a>>) {
         let steps = Self::steps_an_epoch(set);
@@ -275,7 +282,7 @@ impl Trainer {
         (count > 0).then(|| sum / f64::from(count))
     }
 
-    /// The network as it stands: the running mean of its weights.
+    /// Returns the network as it stands: the running mean of its weights.
     pub fn network(&self) -> DtnNetwork {
         DtnNetwork {
             architecture: self.plan.architecture,
@@ -286,14 +293,9 @@ impl Trainer {
     }
 }
 
-/// The mean cross-entropy over an image's targets, each the mean over its paint's pixels and channels, by its share in the batch; and how it depends
-/// on TF. NaN where a number of TF is none: cut between 0 and 1, it would not show.
-fn loss(
-    transformer: Transformer,
-    (sample, share): (&Sample, f64),
-    window: PaintWindow,
-    maps: &[f32],
-) -> (f64, Vec<f32>) {
+/// Returns the mean cross-entropy over an image's targets, each the mean over its paint's pixels and channels, by its share in the batch; and its
+/// gradient with respect to TF. NaN where a number of TF is none: cut between 0 and 1, it would not show.
+fn loss(transformer: Transformer, sample: &Sample, share: f64, window: PaintWindow, maps: &[f32]) -> (f64, Vec<f32>) {
     let pixels = window.pixels();
     let mut map_gradients = vec![0.0; maps.len()];
     if !maps.iter().all(|v| v.is_finite()) {
@@ -310,7 +312,7 @@ fn loss(
                 let target = f64::from(truth[channel]);
                 sum += share * cross_entropy(x, target);
                 let cotangent = share * cross_entropy_derivative(x, target);
-                transformer.spread(channel, transformer.vjp(found, eta, cotangent), |i, v| {
+                transformer.scatter(channel, transformer.vjp(found, eta, cotangent), |i, v| {
                     map_gradients[i * pixels + place] += v as f32;
                 });
             }
@@ -319,14 +321,14 @@ fn loss(
     (sum, map_gradients)
 }
 
-/// The binary cross-entropy of a prediction and a value from 0 to 1.
+/// Returns the binary cross-entropy of a prediction and a value from 0 to 1.
 fn cross_entropy(x: f64, target: f64) -> f64 {
     let x = x.clamp(1e-4, 1.0 - 1e-4);
     -(target * x.ln() + (1.0 - target) * (1.0 - x).ln())
 }
 
-/// The derivative of [`cross_entropy`], (x − t) / (x (1 − x)), bounded near 0 and 1. Beyond them it is what draws a value back that should not be there; a white that is
-/// predicted brighter than white is right.
+/// Returns the derivative of [`cross_entropy`], (x − t) / (x (1 − x)), bounded near 0 and 1. Beyond them it draws back a value that should not be
+/// there; a white that is predicted brighter than white is right.
 fn cross_entropy_derivative(x: f64, target: f64) -> f64 {
     let inside = x.clamp(0.0, 1.0);
     (inside - target) / (inside * (1.0 - inside)).max(EDGE * (1.0 - EDGE))

@@ -1,21 +1,21 @@
-//! What is done to a texture, given its maps: per pixel and channel, so that values and derivatives are closed forms.
+//! The formula from a texture and its maps to the image: per pixel and channel, so that values and derivatives are closed forms.
 
 use serde::{Deserialize, Serialize};
 
-/// The maps of one pixel and channel, in the order in which they are applied; NTR has only the last two.
+/// Maps of one pixel and channel, in the order in which they are applied; NTR has only the last two.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Maps {
-    /// s: what darkness swallows.
+    /// s: the light that darkness swallows.
     pub subtract: f64,
     /// a
     pub add: f64,
     /// m
     pub multiply: f64,
-    /// b: what shines without the paint.
+    /// b: the light that does not come from the paint.
     pub bias: f64,
 }
 
-/// The formula between texture and image; η and x are sRGB, 0 to 1.
+/// Formula between texture and image; η and x are sRGB, 0 to 1.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Transformer {
@@ -30,11 +30,12 @@ pub enum Transformer {
 impl Transformer {
     pub const ALL: [Self; 2] = [Self::Texture, Self::MultiplyAdd];
 
+    /// Returns the name, as in options.
     pub fn name(self) -> &'static str {
         ["texture", "multiply-add"][self as usize]
     }
 
-    /// How many of the four maps are not there, and 0.
+    /// Counts the maps of the four that are not there, and 0.
     fn missing(self) -> usize {
         match self {
             Self::Texture => 0,
@@ -42,12 +43,12 @@ impl Transformer {
         }
     }
 
-    /// Channels of TF.
+    /// Counts the channels of TF.
     pub fn channels(self) -> usize {
         3 * (4 - self.missing())
     }
 
-    /// Maps with which both ReLUs are open for every η from 0 to 1, and x = η·m for the m that is added to this one, 0.
+    /// Returns maps with which both ReLUs are open for every η from 0 to 1, and x = η·m for the m that is added to this one, 0.
     pub fn open(self) -> Maps {
         let open = if self.missing() == 0 { -0.05 } else { 0.0 };
         Maps {
@@ -57,12 +58,12 @@ impl Transformer {
         }
     }
 
-    /// The number of a channel's m in TF.
+    /// Returns the index of a channel's m in TF.
     pub fn multiplying(self, channel: usize) -> usize {
         3 * (2 - self.missing()) + channel
     }
 
-    /// The maps of a channel (0 to 2) of a pixel, whose values of TF `at` gives by their number.
+    /// Returns the maps of a channel (0 to 2) of a pixel, whose values of TF `at` gives by their index.
     pub fn maps(self, channel: usize, at: impl Fn(usize) -> f64) -> Maps {
         let map = |i: usize| i.checked_sub(self.missing()).map_or(0.0, |i| at(3 * i + channel));
         Maps {
@@ -73,15 +74,15 @@ impl Transformer {
         }
     }
 
-    /// The other way round: what [`Transformer::maps`] took from TF, by number of the value.
-    pub fn spread(self, channel: usize, maps: Maps, mut put: impl FnMut(usize, f64)) {
+    /// Inverts [`Transformer::maps`]: passes each map's index in TF and value to `put`.
+    pub fn scatter(self, channel: usize, maps: Maps, mut put: impl FnMut(usize, f64)) {
         let values = [maps.subtract, maps.add, maps.multiply, maps.bias];
         for (i, value) in values.into_iter().skip(self.missing()).enumerate() {
             put(3 * i + channel, value);
         }
     }
 
-    /// x, which may lie above 1 (NTR's also below 0).
+    /// Returns x, which may lie above 1 (NTR's also below 0).
     pub fn value(self, maps: Maps, eta: f64) -> f64 {
         match self {
             Self::Texture => (((eta - maps.subtract).max(0.0) + maps.add) * maps.multiply + maps.bias).max(0.0),
@@ -89,7 +90,7 @@ impl Transformer {
         }
     }
 
-    /// dx/dη; 0 where a ReLU is shut.
+    /// Returns dx/dη; 0 where a ReLU is shut.
     pub fn derivative(self, maps: Maps, eta: f64) -> f64 {
         match self {
             Self::Texture if eta <= maps.subtract || self.value(maps, eta) <= 0.0 => 0.0,
@@ -97,7 +98,7 @@ impl Transformer {
         }
     }
 
-    /// How the loss depends on the maps, given how it depends on x (`cotangent`).
+    /// Returns the gradient of the loss with respect to the maps, given that with respect to x (`cotangent`).
     ///
     /// Where a ReLU is shut the derivative is 0, and a pixel could never leave it. So a shut ReLU passes a cotangent that would open it, and no other:
     /// the formula that is learnt stays as it stands, only the steps of its training differ.

@@ -1,12 +1,11 @@
 //! Where a pattern's cells lie in an image: a sparse linear map from cells to pixels, forward and transposed.
 //!
-//! Two makers: [`repeated`] (Repeated Texture Projection of DTA) and [`world`] (world-aligned, as the printed panels are). Colours are linear
-//! reflectance, since a pixel that sees several cells sees the mean of their light.
+//! Colours are linear reflectance, since a pixel that sees several cells sees the mean of their light.
 
-pub mod repeated;
-pub mod world;
+pub mod repeated; // Repeated Texture Projection of DTA
+pub mod world; // world-aligned, as the printed panels are
 
-/// The grid of a pattern on the model.
+/// Grid of a pattern on the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
     /// Cells across.
@@ -18,7 +17,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// A grid of so many columns and rows, whose repeat is `tile_mm` wide.
+    /// Creates a grid whose repeat is `tile_mm` wide.
     pub fn new([columns, rows]: [u32; 2], tile_mm: f64) -> Self {
         Self {
             columns,
@@ -27,26 +26,26 @@ impl Grid {
         }
     }
 
-    /// Cells of one repeat.
+    /// Counts the cells of one repeat.
     pub fn cells(&self) -> usize {
         self.columns as usize * self.rows as usize
     }
 }
 
-/// A linear map from the cells of a pattern (row by row from the top) to the pixels of an image (likewise).
+/// Linear map from the cells of a pattern (row by row from the top) to the pixels of an image (likewise).
 ///
 /// A pixel that sees no paint gets the mean of all cells: what light it has from the paint comes from all over it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Projection {
     pub cells: usize,
-    /// Where each pixel's entries start, and the end.
+    /// Index of each pixel's first entry, then the number of entries.
     pub starts: Vec<usize>,
     /// Cell and weight; the weights of a pixel add up to 1.
     entries: Vec<(u32, f64)>,
 }
 
 impl Projection {
-    /// The map from the points that each pixel sees, as positions in the pattern: columns to the right, rows down, in cells. A point has the
+    /// Creates the map from the points that each pixel sees, as positions in the pattern: columns to the right, rows down, in cells. A point has the
     /// colour of the cell it is in, as print has it.
     fn from_points(grid: &Grid, pixels: impl Iterator<Item = Vec<[f64; 2]>>) -> Self {
         let wrap = |v: f64, count: u32| (v.floor().rem_euclid(f64::from(count)) as u32) % count;
@@ -67,7 +66,7 @@ impl Projection {
         }
     }
 
-    /// Cell and weight of all pixels, of which each has those from its entry of `starts` to the next one's.
+    /// Returns cell and weight of all pixels, of which each has those from its entry of `starts` to the next one's.
     pub fn entries(&self) -> &[(u32, f64)] {
         &self.entries
     }
@@ -76,7 +75,7 @@ impl Projection {
         self.starts.len() - 1
     }
 
-    /// The paint in each pixel.
+    /// Computes the paint in each pixel.
     ///
     /// # Panics
     /// When there are not `cells` colours.
@@ -95,7 +94,7 @@ impl Projection {
         self.starts.windows(2).map(pixel).collect()
     }
 
-    /// The transposed map: what a change of each cell changes, given what a change of each pixel's paint changes.
+    /// Applies the transposed map: from the gradient with respect to each pixel's paint to that with respect to each cell.
     ///
     /// # Panics
     /// When there are not [`Projection::pixels`] values.

@@ -12,25 +12,27 @@ use super::{Grid, Projection};
 use crate::{Coverage, Frame, FrameList};
 use scaleproof_surface::pattern::world_aligned::Side;
 
+/// Samples along each side of a pixel.
 const PARTS: u32 = 3;
 
+/// Random shift and scale of the texture (φ_rd).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Jitter {
-    /// To the right and down, in repeats of the pattern.
+    /// Shift to the right and down, in repeats of the pattern.
     pub shift_tiles: [f64; 2],
-    /// Size of the pattern against its true size.
+    /// Size of the pattern relative to its true size.
     pub scale: f64,
 }
 
 impl Jitter {
-    /// None: the calibrated projection.
+    /// No jitter: the calibrated projection.
     pub const NONE: Self = Self {
         shift_tiles: [0.0, 0.0],
         scale: 1.0,
     };
 }
 
-/// The projection for a frame, on the pixels that `paint_mask` covers by half or more.
+/// Computes the projection for a frame, on the pixels that `paint_mask` covers by half or more.
 pub fn project(list: &FrameList, frame: &Frame, paint_mask: &Coverage, grid: &Grid, jitter: &Jitter) -> Projection {
     let to_plane = plane_to_image(list, frame).try_inverse();
     let see = |x: f64, y: f64| {
@@ -59,15 +61,14 @@ pub fn project(list: &FrameList, frame: &Frame, paint_mask: &Coverage, grid: &Gr
     Projection::from_points(grid, pixels.map(|(x, y)| pixel(x, y)))
 }
 
-/// The homography from the plane's (u, v, 1), mm, to homogeneous pixels, positive in front of the camera.
+/// Returns the homography from the plane's (u, v, 1), mm, to homogeneous pixels, positive in front of the camera.
 fn plane_to_image(list: &FrameList, frame: &Frame) -> Matrix3<f64> {
     let (pose, target) = (frame.pose(), Point3::from(list.target_mm));
     let to_camera = pose.inverse().translation.vector - target.coords;
     let facing = |side: &Side| side.outward().dot(&to_camera);
-    let side = Side::ALL
-        .into_iter()
-        .max_by(|a, b| facing(a).total_cmp(&facing(b)))
-        .unwrap_or(Side::Left);
+    let sides = Side::ALL.into_iter();
+    let side = sides.max_by(|a, b| facing(a).total_cmp(&facing(b)));
+    let side = side.unwrap_or(Side::Left);
     let [right, up] = side.axes();
     // A point of the plane is origin + u·right + v·up, with the world-aligned (u, v).
     let [u, v] = side.project(&target);

@@ -4,16 +4,16 @@ use super::{Grid, Projection};
 use crate::{Frame, FrameSet, FramesError};
 use scaleproof_surface::pattern::world_aligned::Side;
 
-/// How the pattern comes to lie elsewhere than it should: laid on wrongly, or seen from a pose that is not quite the assumed one.
+/// Error of a pattern's place: by the way it is laid on, or by a pose that is not quite the assumed one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Misplacement {
-    /// Size of the pattern against its true size.
+    /// Size of the pattern relative to its true size.
     pub size: f64,
     /// Turn of the pattern on each side, about the side's origin.
     pub turn_deg: f64,
-    /// The paint is seen so many pixels further left and up in the image,
+    /// Shift of the paint in the image to the left and up, px.
     pub seen_off_px: [f64; 2],
-    /// and turned by so much about the image's middle.
+    /// Turn of the paint about the image's middle.
     pub seen_turned_deg: f64,
 }
 
@@ -25,13 +25,13 @@ impl Misplacement {
         seen_turned_deg: 0.0,
     };
 
-    /// (u, v) on a side in mm, as the pattern has it that is turned and of another size.
+    /// Converts (u, v) on a side, mm, to those of the pattern that is turned and of another size.
     fn on_side(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         let [u, v] = turned([u, v], self.turn_deg);
         [u / self.size, v / self.size]
     }
 
-    /// Where a place of the image is in the image of the assumed pose, both in pixels; `size_px` is the image's.
+    /// Converts a place in the image to that in the image of the assumed pose, both in pixels; `size_px` is the image's.
     fn in_image(&self, place: [f64; 2], size_px: [f64; 2]) -> [f64; 2] {
         let middle = size_px.map(|px| 0.5 * px);
         let from_middle = turned([place[0] - middle[0], place[1] - middle[1]], self.seen_turned_deg);
@@ -44,7 +44,7 @@ fn turned([x, y]: [f64; 2], by_deg: f64) -> [f64; 2] {
     [cos * x - sin * y, sin * x + cos * y]
 }
 
-/// The projections for a frame, one for each of some misplacements; `None` for a frame without positions. Where a misplaced pose would see no
+/// Computes the projections for a frame, one for each of some misplacements; `None` for a frame without positions. Where a misplaced pose would see no
 /// paint, the paint is taken from where it should be: the model itself stays in its place. `of_sides`: each side of the model has a square
 /// pattern of its own, and they lie below each other in the grid, in the order of [`Side::ALL`].
 pub fn project(
@@ -88,12 +88,12 @@ pub fn project(
     Ok(Some(misplacements.iter().map(project).collect()))
 }
 
-/// (u, v) of a side in mm as columns and rows: the origin is that of [`scaleproof_surface::pattern::world_aligned`].
+/// Converts (u, v) of a side, mm, to columns and rows: the origin is that of [`scaleproof_surface::pattern::world_aligned`].
 pub(super) fn in_cells(grid: &Grid, [u_mm, v_mm]: [f64; 2]) -> [f64; 2] {
     [u_mm / grid.cell_mm, -v_mm / grid.cell_mm]
 }
 
-/// A place in the pattern of a side, in the grid of all sides.
+/// Converts a place in the pattern of a side to that in the grid of all sides.
 fn below(grid: &Grid, side: Side, [column, row]: [f64; 2]) -> [f64; 2] {
     let rows = f64::from(grid.rows / Side::ALL.len() as u32);
     // rem_euclid of a tiny negative number rounds up to the count itself.

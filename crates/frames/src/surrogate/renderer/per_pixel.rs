@@ -4,20 +4,50 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::DMatrix;
 
-use super::tone::{Tone, least};
-use super::{ClosedForm, FitError, FlatImage, Renderer};
-use crate::{light, require};
+use super::tone::{Tone, minimise};
+use super::{FlatImage, Renderer};
+use crate::light;
+use scaleproof_core::message::{Message, bail, ensure};
 
 /// More images than bits in [`Used`] would not fit, and are of no use.
 const MOST_IMAGES: usize = 32;
-/// The tone curve is fitted to at most about so many values.
+/// Most values, about, that the tone curve is fitted to.
 const CURVE_VALUES: usize = 6_000;
-/// A value this high may have been brighter.
+/// 8-bit level that may be clipped.
 const CLIPPED: u8 = 255;
 
-/// Which images a fit uses, as bits.
+/// Images that a fit uses, as bits.
 type Used = u32;
 
+/// Closed form of a surrogate renderer. The default is the most accurate of `attack chart`; where only two colours are at hand, `affine-curve` is.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ClosedForm {
+    Affine,
+    Quadratic,
+    AffineCurve,
+    #[default]
+    QuadraticCurve,
+}
+
+impl ClosedForm {
+    pub const ALL: [Self; 4] = [Self::Affine, Self::Quadratic, Self::AffineCurve, Self::QuadraticCurve];
+
+    /// Returns the name, as in options.
+    pub fn name(self) -> &'static str {
+        ["affine", "quadratic", "affine-curve", "quadratic-curve"][self as usize]
+    }
+
+    /// Returns the least number of colours, different in all three channels.
+    pub fn least_colours(self) -> usize {
+        match self {
+            Self::Affine | Self::AffineCurve => 2,
+            Self::Quadratic | Self::QuadraticCurve => 3,
+        }
+    }
+}
+
+/// Polynomial per pixel and channel.
 #[derive(Debug, Clone)]
 pub struct PerPixel {
     /// `None` for a polynomial in sRGB.
@@ -27,34 +57,46 @@ pub struct PerPixel {
 }
 
 impl PerPixel {
-    /// Fits by least squares. Clipped values are left out where the others suffice: how bright they were is not known.
+    /// Fits a closed form by least squares. Clipped values are left out where the others suffice: how bright they were is not known.
     ///
     /// The tone curve is the exponent with which an affine model explains the images best; it takes three colours to tell, and with two the
     /// curve is sRGB's.
-    pub fn fit(kind: ClosedForm, flats: &[FlatImage]) -> Result<Self, FitError> {
+    pub fn fit(kind: ClosedForm, flats: &[FlatImage]) -> Result<Self, Message> {
         let needed = kind.least_colours();
         let found = (0..3).map(|c| distinct(flats, c)).min().unwrap_or(0);
         let model = kind.name();
-        require(found >= needed, || FitError::TooFew { model, needed, found })?;
-        require(flats.len() <= MOST_IMAGES, || FitError::TooMany { most: MOST_IMAGES })?;
+        if found < needed {
+            bail!(
+                "the {model} model needs images in {needed} flat colours that differ in every channel, and there are {found}";
+                hint: "`attack render ‹flat› 000000 808080 ffffff` makes three, in a new folder"
+            );
+        }
+        ensure!(
+            flats.len() <= MOST_IMAGES,
+            "more than {MOST_IMAGES} flat colours of a view are of no use; give fewer"
+        );
         let size = flats[0].image.dimensions();
-        require(flats.iter().all(|s| s.image.dimensions() == size), || FitError::Sizes)?;
+        let is_alike = flats.iter().all(|s| s.image.dimensions() == size);
+        ensure!(
+            is_alike,
+            "the images of a view have different sizes; take them with the same camera"
+        );
         let has_curve = matches!(kind, ClosedForm::AffineCurve | ClosedForm::QuadraticCurve);
         let tone = has_curve.then(|| fitted_tone(flats, found));
         Ok(polynomial(needed - 1, tone, flats, 1))
     }
 
-    /// Constant, linear and quadratic term of each pixel and channel, in the order of the image's rows.
+    /// Returns the constant, linear and quadratic term of each pixel and channel, in the order of the image's rows.
     pub fn terms(&self) -> &[[[f64; 3]; 3]] {
         &self.terms
     }
 
-    /// The tone curve, where the model has one.
+    /// Returns the tone curve, where the model has one.
     pub fn tone(&self) -> Option<Tone> {
         self.tone
     }
 
-    /// Of a pixel and channel: the paint as the polynomial takes it, the polynomial's value and its derivative.
+    /// Evaluates a pixel and channel: the paint as the polynomial takes it, the polynomial's value and its derivative.
     #[inline]
     fn at(&self, index: usize, channel: usize, reflectance: f64) -> [f64; 3] {
         let [a, b, c] = self.terms[index][channel];
@@ -92,7 +134,7 @@ impl Renderer for PerPixel {
     }
 }
 
-/// Different values of a channel among the images' colours.
+/// Counts different values of a channel among the images' colours.
 fn distinct<'a>(flats: impl IntoIterator<Item = &'a FlatImage>, channel: usize) -> usize {
     let values = flats.into_iter().map(|flat| flat.flat_rgb[channel]);
     values.collect::<BTreeSet<u8>>().len()
@@ -109,7 +151,7 @@ fn fitted_tone(flats: &[FlatImage], colours: usize) -> Tone {
         let mut sum = 0.0;
         for flat in flats {
             let paint = light::linear_of(flat.flat_rgb);
-            for (i, (_, pixel)) in chosen(flat, every).enumerate() {
+            for (i, (_, pixel)) in every_nth(flat, every).enumerate() {
                 let predicted = model.pixel(i, paint);
                 let squared = |c: usize| (predicted[c] - f64::from(pixel[c]) / 255.0).powi(2);
                 sum += (0..3).map(squared).sum::<f64>();
@@ -118,16 +160,16 @@ fn fitted_tone(flats: &[FlatImage], colours: usize) -> Tone {
         sum
     };
     Tone {
-        power: least(Tone::POWERS, error),
+        power: minimise(Tone::POWERS, error),
     }
 }
 
-/// Every so many of an image's pixels.
-fn chosen(flat: &FlatImage, every: usize) -> impl Iterator<Item = (usize, [u8; 3])> {
+/// Every Nth pixel of an image, with its index.
+fn every_nth(flat: &FlatImage, every: usize) -> impl Iterator<Item = (usize, [u8; 3])> {
     flat.image.pixels().map(|p| p.0).enumerate().step_by(every)
 }
 
-/// The polynomial of every so many pixels, in their order.
+/// Fits the polynomials of every Nth pixel, in their order.
 fn polynomial(degree: usize, tone: Option<Tone>, flats: &[FlatImage], every: usize) -> PerPixel {
     // 256 values have 256 lights.
     let srgb = (0..=255_u8).map(|v| f64::from(v) / 255.0);
@@ -137,7 +179,7 @@ fn polynomial(degree: usize, tone: Option<Tone>, flats: &[FlatImage], every: usi
         if tone.is_some() { light::decode(srgb) } else { srgb }
     };
     let mut solvers: [BTreeMap<(Used, usize), DMatrix<f64>>; 3] = Default::default();
-    let column = |flat| chosen(flat, every).map(|(_, p)| p).collect();
+    let column = |flat| every_nth(flat, every).map(|(_, p)| p).collect();
     let columns: Vec<Vec<[u8; 3]>> = flats.iter().map(column).collect();
     let fit = |pixel: usize| {
         std::array::from_fn(|channel| {
@@ -157,7 +199,7 @@ fn polynomial(degree: usize, tone: Option<Tone>, flats: &[FlatImage], every: usi
     PerPixel { tone, terms }
 }
 
-/// The images that are not clipped, and the degree they give; all images where too few would be left. A polynomial in light is lowered to a
+/// Chooses the images that are not clipped, and the degree they give; all images where too few would be left. A polynomial in light is lowered to a
 /// line rather than bent to a clipped value; in sRGB, where a line fits badly, it is not.
 fn usable(seen: &[u8], flats: &[FlatImage], channel: usize, degree: usize, is_light: bool) -> (Used, usize) {
     let all: Used = (0..flats.len()).fold(0, |bits, i| bits | 1 << i);
@@ -173,7 +215,7 @@ fn usable(seen: &[u8], flats: &[FlatImage], channel: usize, degree: usize, is_li
     }
 }
 
-/// The matrix that makes the terms of a polynomial from the values at these arguments; columns of unused images are 0.
+/// Returns the matrix that makes the terms of a polynomial from the values at these arguments; columns of unused images are 0.
 fn pseudo_inverse(degree: usize, used: Used, arguments: impl Iterator<Item = f64>) -> DMatrix<f64> {
     let arguments: Vec<f64> = arguments.collect();
     let design = DMatrix::from_fn(arguments.len(), degree + 1, |flat, power| {

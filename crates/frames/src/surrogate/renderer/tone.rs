@@ -1,8 +1,8 @@
-//! The tone curve of an image: what it does to light.
+//! The tone curve of an image.
 
 use crate::light;
 
-/// Values are sRGB's curve with an exponent: light = decode(x)^`power`. 1 is exactly sRGB, as frames are rendered. A fitted
+/// Tone curve: values are sRGB's curve with an exponent: light = decode(x)^`power`. 1 is exactly sRGB, as frames are rendered. A fitted
 /// exponent also takes up some of the light that goes to and fro between the paint's parts, so it is no measurement of a camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tone {
@@ -10,20 +10,21 @@ pub struct Tone {
 }
 
 impl Tone {
-    /// Exponents that are looked through.
+    /// Range of fitted exponents.
     pub const POWERS: std::ops::RangeInclusive<f64> = 0.5..=2.0;
     pub const SRGB: Self = Self { power: 1.0 };
 
-    /// Light of an image's value.
+    /// Returns the light of an image's value.
     pub fn light(self, x: f64) -> f64 {
         light::decode(x).powf(self.power)
     }
 
+    /// Returns the image's value of light.
     pub fn value(self, light: f64) -> f64 {
         light::encode(light.clamp(0.0, 1.0).powf(1.0 / self.power))
     }
 
-    /// The derivative of [`Tone::value`]; 0 where it clips.
+    /// Returns the derivative of [`Tone::value`]; 0 where it clips.
     pub fn value_derivative(self, light: f64) -> f64 {
         if !(light > 0.0 && light < 1.0) {
             return 0.0;
@@ -34,8 +35,8 @@ impl Tone {
     }
 }
 
-/// The argument within a range at which a function with one valley is least (golden section, Kiefer 1953).
-pub(super) fn least(range: std::ops::RangeInclusive<f64>, of: impl Fn(f64) -> f64) -> f64 {
+/// Minimises a function with one valley in a range (golden section, Kiefer 1953).
+pub(super) fn minimise(range: std::ops::RangeInclusive<f64>, of: impl Fn(f64) -> f64) -> f64 {
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
     let (mut low, mut high) = range.into_inner();
     let (mut a, mut b) = (high - golden * (high - low), low + golden * (high - low));

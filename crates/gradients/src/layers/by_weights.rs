@@ -1,18 +1,19 @@
 //! Convolutions whose weights are learnt: back with respect to them, too.
 
-use super::Convolution;
-use crate::layers::matrix::{Matrix, multiply};
-use crate::layers::{Array, Back, Layer, Sums, Weights, Windows};
+use super::convolution::Convolution;
+use super::layer::{Array, Back, Layer, Sums};
+use super::matrix::{Matrix, multiply};
+use super::windows::{Weights, Windows};
 
 /// The derivatives by weights and biases are added to the sums of its second and third input.
-pub(in crate::layers) struct LearntConvolution {
+pub(super) struct LearntConvolution {
     convolution: Convolution<f32>,
     /// Whether the derivative by the image is asked for, too.
     by_image: bool,
 }
 
 impl LearntConvolution {
-    pub(in crate::layers) fn new(windows: Windows, weights: Weights, by_image: bool) -> Self {
+    pub(super) fn new(windows: Windows, weights: Weights, by_image: bool) -> Self {
         let convolution = Convolution { windows, weights };
         Self { convolution, by_image }
     }
