@@ -43,7 +43,7 @@ pub struct AttackConfig {
     /// The learning rate in sRGB of 0 to 1; it falls to a tenth along half a cosine.
     #[serde(rename = "rate")]
     pub learning_rate: f64,
-    /// Which boxes count.
+    /// Boxes that count in the loss.
     pub boxes: Boxes,
     /// The confidence below which the loss fades (`loss::from_floor`).
     pub floor: f64,

@@ -14,7 +14,7 @@ use scaleproof_pose::scene::Classes;
 
 pub const FILE: &str = "history.json";
 
-/// What was measured of a run after one of its steps.
+/// Measurements of a run after one of its steps.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Entry {
     /// Steps of the run so far.
@@ -27,7 +27,7 @@ pub struct Entry {
     pub loss: Option<f64>,
     /// Mean confidence over the views of the step and the detectors; `null` where the method does not know it.
     pub confidence: Option<f64>,
-    /// What the detectors say of predicted images of held-out views; `null` after steps that are not judged.
+    /// Figures of predicted images of held-out views; `null` after steps that are not judged.
     pub held_out: Option<HeldOutFigures>,
 }
 

@@ -18,7 +18,7 @@ use scaleproof_gradients::{MEETS_IOU, Prediction, WhiteBox, strongest};
 /// Figures of predicted images of held-out views: means over views and detectors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct HeldOutFigures {
-    /// How many held-out views were predicted.
+    /// Number of held-out views that were predicted.
     pub views: usize,
     /// AP@0.5 as `score` computes it by default.
     pub ap50: f64,
