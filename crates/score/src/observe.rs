@@ -249,7 +249,7 @@ pub(super) enum Stop {
 impl From<DetectError> for Stop {
     fn from(error: DetectError) -> Stop {
         match error {
-            DetectError::NotANumber { .. } => NotScoredReason::new(error).into(),
+            DetectError::NotANumber(_) => NotScoredReason::new(error).into(),
             error => Stop::Run(error.into()),
         }
     }
@@ -258,7 +258,7 @@ impl From<DetectError> for Stop {
 impl From<ProgramError> for Stop {
     fn from(error: ProgramError) -> Stop {
         match error {
-            ProgramError::Declined { .. } => NotScoredReason::new(error).into(),
+            ProgramError::Declined(_) => NotScoredReason::new(error).into(),
             error => Stop::Run(error.into()),
         }
     }
