@@ -122,7 +122,7 @@ pub(super) fn centred([cx, cy, w, h]: [f32; 4]) -> BoxPx {
     BoxPx::new(cx - w / 2.0, cy - h / 2.0, cx + w / 2.0, cy + h / 2.0)
 }
 
-/// A candidate; `None` below the score floor and for a box without an area. A box that is not finite stays: [`candidates`] refuses the
+/// A candidate; `None` below the score floor and for a box without an area. A box that is not finite stays: [`super::candidates`] refuses the
 /// whole answer, since dropping it would make a network that fails look like one that finds nothing.
 pub(super) fn from_corners(label: usize, score: f32, b: BoxPx) -> Option<CandidateBox> {
     let score = f64::from(score);
