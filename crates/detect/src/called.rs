@@ -38,7 +38,7 @@ impl CalledDetector {
         &self.card
     }
 
-    /// What it finds in an upright image, best first; `file` is what messages call it.
+    /// Returns its detections in an upright image, best first; `file` is what messages call it.
     ///
     /// # Errors
     /// The function failed, or its boxes cannot be trusted: no photo is looked at any more.

@@ -25,7 +25,7 @@ pub fn choose(names: &[String]) -> Result<Vec<Manifest>, ManifestError> {
     Ok(manifests)
 }
 
-/// How another run, started in another folder, chooses the same detector again: a manifest's whole path, else the name.
+/// Returns how another run, started in another folder, chooses the same detector again: a manifest's whole path, else the name.
 pub fn chosen_as(manifest: &Manifest, names: &[String]) -> Result<String, FileError> {
     let files = names.iter().filter(|name| name.ends_with(".toml") || is_network(name));
     let mut files = files.map(|name| Path::new(name).with_extension("toml"));
@@ -52,12 +52,8 @@ fn one(name: &str) -> Result<Manifest, ManifestError> {
         let script = name.rsplit(':').next().unwrap_or(name).trim();
         bail!("{name} is a program and no detector's name: write 'exec:{interpreter} {script}'");
     }
-    if let Some(format) = NetworkFormat::of(name) {
-        let fault = message!(
-            "{name} holds {}, and networks are read from ONNX files",
-            format.in_words()
-        );
-        return Err(fault.hint(format.way_to_onnx(name)).into());
+    if let Some(refusal) = other_format(name) {
+        return Err(refusal.into());
     }
     if let Some(manifest) = registered(name)? {
         return Ok(manifest);
@@ -87,52 +83,34 @@ fn beside(network: &Path) -> Result<Manifest, ManifestError> {
     bail!("{beside} describes {described} and not {shown}: name the manifest of this network")
 }
 
-/// What holds a network in another form than ONNX, by the ending of its file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum NetworkFormat {
-    PyTorch,
-    Darknet,
-    Other,
-}
-
-impl NetworkFormat {
-    /// `None` where the ending is of no network.
-    fn of(name: &str) -> Option<NetworkFormat> {
-        match Path::new(name).extension()?.to_str()?.to_ascii_lowercase().as_str() {
-            "pt" | "pth" | "ckpt" | "torchscript" | "safetensors" => Some(NetworkFormat::PyTorch),
-            "weights" | "cfg" => Some(NetworkFormat::Darknet),
-            "tflite" | "pb" | "h5" | "keras" | "engine" | "trt" | "mlmodel" | "xml" | "bin" | "param"
-            | "caffemodel" | "pdmodel" => Some(NetworkFormat::Other),
-            _ => None,
-        }
-    }
-
-    fn in_words(self) -> &'static str {
-        match self {
-            NetworkFormat::PyTorch => "a network of PyTorch",
-            NetworkFormat::Darknet => "part of a network of Darknet",
-            NetworkFormat::Other => "a network of another framework",
-        }
-    }
-
-    /// The way from a file of another framework to a detector.
-    fn way_to_onnx(self, file: &str) -> String {
-        let stem = Path::new(file).with_extension("");
-        let stem = stem.display();
-        match self {
-            NetworkFormat::Darknet => {
-                format!("make a detector of both files by `scaleproof detectors add {stem}.cfg {stem}.weights`")
-            }
-            NetworkFormat::PyTorch => format!(
+/// Refuses a file that holds a network in another form than ONNX, by its ending; `None` for any other name.
+fn other_format(file: &str) -> Option<Message> {
+    let path = Path::new(file);
+    let stem = path.with_extension("");
+    let stem = stem.display();
+    let (what, hint) = match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+        "pt" | "pth" | "ckpt" | "torchscript" | "safetensors" => (
+            "a network of PyTorch",
+            format!(
                 "export it (Ultralytics: `yolo export model={file} format=onnx`) and add it by `scaleproof detectors add {stem}.onnx`, or run it in Python: \
                  ‹detector› 'exec:python3 python/examples/ultralytics_yolo.py {file}' (docs/guide/detector-programs.md)"
             ),
-            NetworkFormat::Other => format!(
+        ),
+        "weights" | "cfg" => (
+            "part of a network of Darknet",
+            format!("make a detector of both files by `scaleproof detectors add {stem}.cfg {stem}.weights`"),
+        ),
+        "tflite" | "pb" | "h5" | "keras" | "engine" | "trt" | "mlmodel" | "xml" | "bin" | "param" | "caffemodel"
+        | "pdmodel" => (
+            "a network of another framework",
+            format!(
                 "export it and add it by `scaleproof detectors add {stem}.onnx`, or run it in a program of yours: ‹detector› 'exec:python3 mine.py' \
                  (docs/guide/detector-programs.md)"
             ),
-        }
-    }
+        ),
+        _ => return None,
+    };
+    Some(message!("{file} holds {what}, and networks are read from ONNX files").hint(hint))
 }
 
 /// Why a detector was not registered or taken off the list.
@@ -148,12 +126,12 @@ pub enum RegisterError {
     File(#[from] FileError),
 }
 
-/// Where the manifests of registered detectors lie.
+/// Returns the folder of the registered detectors' manifests.
 fn folder() -> Option<PathBuf> {
     Some(dirs::data_dir()?.join("scaleproof").join("detectors"))
 }
 
-/// Where the manifest of a registered detector lies.
+/// Returns the path of a registered detector's manifest.
 fn path(name: &str) -> Option<PathBuf> {
     Some(folder()?.join(format!("{name}.toml")))
 }
@@ -196,7 +174,7 @@ pub fn register(manifest: &Manifest, folders: &WeightFolders) -> Result<PathBuf,
             kept.weights.file = weights.to_string_lossy().into_owned();
             kept.weights.url.clear();
         }
-        Err(WeightsError::Missing { .. }) if !manifest.weights.url.is_empty() => {}
+        Err(WeightsError::Missing(_)) if !manifest.weights.url.is_empty() => {}
         Err(e) => return Err(e.into()),
     }
     let path = path(name).ok_or_else(no_folder)?;

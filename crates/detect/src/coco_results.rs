@@ -52,7 +52,7 @@ pub fn coco_results<'a>(
     Ok(text)
 }
 
-/// Where a recording came from.
+/// The provenance of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recording {
@@ -86,7 +86,7 @@ impl Recording {
         Ok(parse(&files::read_text(&path)?, &path)?)
     }
 
-    /// Whether a folder has a detector's recording, or half of one.
+    /// Returns whether a folder has a detector's recording, or half of one.
     pub fn is_in(folder: &Path, detector: &str) -> bool {
         let (results, provenance) = paths(folder, detector);
         results.exists() || provenance.exists()
@@ -121,12 +121,8 @@ impl Recorded {
         let (results_path, provenance_path) = paths(folder, &manifest.name);
         let recording: Recording = parse(&files::read_text(&provenance_path)?, &provenance_path)?;
         if recording.weights_sha256 != manifest.weights.sha256 {
-            let found: String = recording.weights_sha256.chars().take(12).collect();
-            bail!(
-                "{} was recorded with other weights of {} (SHA-256 {found}…): record it again",
-                provenance_path.display(),
-                manifest.name
-            );
+            let (path, name, found) = (provenance_path.display(), &manifest.name, &recording.weights_sha256);
+            bail!("{path} was recorded with other weights of {name} (SHA-256 {found:.12}…): record it again");
         }
         let text = files::read_text(&results_path)?;
         let is_same = files::sha256_hex(text.as_bytes()) == recording.results_sha256;

@@ -1,4 +1,4 @@
-//! Which labels of a detector count as the model: those of the class, by their own names or by those that `[class_map]` gives them.
+//! The labels of a detector that count as the model: those of the class, by their own names or by those that `[class_map]` gives them.
 
 use super::{Labels, Manifest};
 use scaleproof_core::message::{Message, message};
@@ -10,7 +10,7 @@ use scaleproof_core::spelling;
 pub struct NoSuchClass(Message);
 
 impl Manifest {
-    /// What a label counts as: the name that `[class_map]` gives it, else its own; `None` for a number outside the labels.
+    /// Returns what a label counts as: the name that `[class_map]` gives it, else its own; `None` for a number outside the labels.
     pub fn counts_as(&self, label: usize) -> Option<&str> {
         let own = self.labels.name(label)?;
         Some(self.class_map.get(own).map_or(own, String::as_str))
@@ -49,7 +49,7 @@ impl Manifest {
         names.filter(|class| !is_known(class)).collect()
     }
 
-    /// What is wrong with `[class_map]`, as a sentence.
+    /// Returns what is wrong with `[class_map]`, as a sentence.
     pub fn class_map_fault(&self) -> Option<String> {
         self.class_map.iter().find_map(|(own, counted)| {
             let is_label = (1..=LONGEST).contains(&counted.chars().count()) && !counted.contains(char::is_control);
@@ -69,7 +69,7 @@ impl Manifest {
 
 /// No label has more characters.
 const LONGEST: usize = 100;
-/// So many labels are named to somebody who mistyped one.
+/// Number of labels that are named to somebody who mistyped one.
 const NAMED: usize = 3;
 
 impl Labels {

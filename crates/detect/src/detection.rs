@@ -7,7 +7,7 @@ use scaleproof_core::geometry::BoxPx;
 /// Candidates below this score are dropped; AP needs them down to here.
 pub const SCORE_FLOOR: f64 = 0.001;
 
-/// So many candidates are kept per photo, the best first: what COCO's evaluation looks at.
+/// Most candidates that are kept per photo, the best first: as many as COCO's evaluation looks at.
 pub const MAX_DETECTIONS: usize = 100;
 
 /// A sigmoid or softmax may round up a little. What it rounded up is kept as 1, the highest score that files may have.

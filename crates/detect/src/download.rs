@@ -19,8 +19,9 @@ pub enum FetchError {
     Message(#[from] Message),
     #[error(transparent)]
     File(#[from] files::FileError),
-    #[error("{path} is already there and is not the file {name} was described with: move it away", path = path.display())]
-    Taken { name: String, path: PathBuf },
+    /// Another file than the described one is there already.
+    #[error(transparent)]
+    Taken(Message),
 }
 
 /// Nothing this program fetches is near this size; a longer answer is not the file.
@@ -86,8 +87,10 @@ impl Download<'_> {
             let remove = |file: &Path| files::chosen::remove(folder, file);
             fetched.iter().try_for_each(|file| remove(file))?;
             if is_there {
-                let (name, path) = (name.clone(), target);
-                return Err(FetchError::Taken { name, path });
+                let path = target.display();
+                return Err(FetchError::Taken(message!(
+                    "{path} is already there and is not the file {name} was described with: move it away"
+                )));
             }
             remove(&part)?;
             bail!("the file at {url} is not the one {name} was described with; it was not kept");
@@ -98,7 +101,7 @@ impl Download<'_> {
         Ok(target)
     }
 
-    /// Where a file comes to lie, and where it is collected.
+    /// Returns where a file comes to lie, and where it is collected.
     fn places(&self, file: &str) -> [PathBuf; 2] {
         [self.folder.join(file), self.folder.join(format!("{file}.part"))]
     }

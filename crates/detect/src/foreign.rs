@@ -9,7 +9,7 @@ use super::{Detection, HIGHEST_SCORE, Labels, Manifest};
 use scaleproof_core::files;
 use scaleproof_core::geometry::BoxPx;
 
-/// How the boxes of such a detector come here.
+/// The source of such a detector's boxes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ForeignKind {
     /// In files that it wrote.
@@ -30,7 +30,7 @@ impl ForeignKind {
     }
 }
 
-/// What is known of such a detector: enough to judge its boxes where it is not.
+/// The description of such a detector: enough to judge its boxes where it is not.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ForeignCard {
     pub kind: ForeignKind,
@@ -38,17 +38,17 @@ pub struct ForeignCard {
     pub title: String,
     pub licence: String,
     pub origin: String,
-    /// What a program says of itself.
+    /// Version that a program states.
     pub version: Option<String>,
-    /// How a program is started; empty for others.
+    /// Command line of a program; empty for others.
     pub command: Vec<String>,
     #[serde(with = "in_words")]
     pub labels: Labels,
-    /// What labels count as, where not as themselves.
+    /// Labels that count as others: own label → label of the scene.
     pub class_map: BTreeMap<String, String>,
     /// Name and SHA-256 of the files that its boxes depend on.
     pub files: Vec<(String, String)>,
-    /// What to know before believing its figures, as sentences.
+    /// Cautions about its figures, as sentences.
     pub notes: Vec<String>,
 }
 
@@ -60,7 +60,7 @@ impl ForeignCard {
 }
 
 impl Manifest {
-    /// What stands for a manifest where no network is fed: the photo goes in as it is, and boxes come out.
+    /// Creates what stands for a manifest where no network is fed: the photo goes in as it is, and boxes come out.
     pub fn of_foreign(card: &ForeignCard) -> Manifest {
         let input = Input::unchanged(Layout::Nhwc, Values::U8);
         Manifest {
@@ -112,7 +112,7 @@ pub(super) fn placed(label: usize, score: f64, b: BoxPx, size: [u32; 2]) -> Resu
     Ok(Detection::new(label, score.min(1.0), inside))
 }
 
-/// What follows a sentence on an image of another size than its photo: where the sides are swapped, that `who` did not turn it.
+/// Returns what follows a sentence on an image of another size than its photo: where the sides are swapped, that `who` did not turn it.
 pub(super) fn turned_hint(who: &str, [w, h]: [u32; 2], photo: [u32; 2]) -> String {
     let hint = ([h, w] == photo).then(|| format!(": {who} did not turn it as its EXIF says"));
     hint.unwrap_or_default()

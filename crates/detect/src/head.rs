@@ -1,4 +1,4 @@
-//! What a manifest says of a network's outputs: which kind of head they come from, and what that kind leaves open.
+//! The part of a manifest about outputs: the kind of head they come from, and what that kind leaves open.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +7,7 @@ pub(super) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 
-/// From output tensors to boxes. One file per kind in `heads/`.
+/// The kind of a head, which turns output tensors into boxes. One file per form in `heads/`.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Head {
@@ -38,7 +38,7 @@ pub enum Head {
     Foreign {},
 }
 
-/// Which labels of an anchor become detections.
+/// The labels of an anchor that become detections.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AnchorLabels {
@@ -84,7 +84,7 @@ pub struct TableHead {
     pub boxes: Unit,
 }
 
-/// In what centre and size are given.
+/// The unit of centres and sizes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Unit {
@@ -115,7 +115,7 @@ pub struct GridsHead {
 pub struct GridAnchors {
     /// Side of a cell in input pixels.
     pub stride: u32,
-    /// By how much a centre may leave its cell: 1 not at all; Darknet's `scale_x_y`.
+    /// Reach of a centre beyond its cell: 1 not at all; Darknet's `scale_x_y`.
     #[serde(default = "one", skip_serializing_if = "is_one")]
     pub scale_xy: f32,
     /// Width and height of the anchors, in input pixels, in the order of the network's channels.
@@ -143,7 +143,7 @@ pub struct SsdHead {
     pub labels: Option<AnchorLabels>,
 }
 
-/// What the four numbers of a box are.
+/// The meaning of a box's four numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SsdBoxes {
@@ -171,7 +171,7 @@ pub struct EfficientdetHead {
     pub labels: Option<AnchorLabels>,
 }
 
-/// Of EfficientDet D0 to D6.
+/// The anchor scale of EfficientDet D0 to D6.
 fn usual_anchor_scale() -> f64 {
     4.0
 }
@@ -180,7 +180,7 @@ fn is_usual_anchor_scale(scale: &f64) -> bool {
     *scale == usual_anchor_scale()
 }
 
-/// What a head without its last sigmoid, or with it, answers with.
+/// The scores of a head, without its last sigmoid or with it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Scores {
@@ -188,7 +188,7 @@ pub enum Scores {
     Probabilities,
 }
 
-/// How a head with numbered labels counts.
+/// The first number of a head with numbered labels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct FirstLabel {
@@ -236,7 +236,7 @@ impl Head {
         }
     }
 
-    /// What the manifest says of an anchor's labels, in heads whose anchors have several.
+    /// Returns what the manifest says of an anchor's labels, in heads whose anchors have several.
     fn stated_labels(&mut self) -> Option<&mut Option<AnchorLabels>> {
         match self {
             Head::Yolox(head) | Head::Fastestdet(head) => Some(&mut head.labels),
@@ -250,7 +250,7 @@ impl Head {
         }
     }
 
-    /// Which labels of an anchor become detections: as stated, else as the family's own program does it.
+    /// Returns which labels of an anchor become detections: as stated, else as the family's own program does it.
     ///
     /// Best: YOLOX (`postprocess` takes `torch.max` over the labels), FastestDet (`handle_preds`), YOLOv4 of the ONNX zoo (its page's
     /// `postprocess_boxes` takes `argmax`), Ultralytics and YOLOv5 where they predict (`non_max_suppression` with `multi_label=False`). Every one:

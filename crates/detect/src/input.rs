@@ -1,4 +1,4 @@
-//! From a photo to a detector's input tensor, and from its coordinates back to the photo's.
+//! Photos as input tensors of detectors, and from its coordinates back to the photo's.
 
 use image::RgbImage;
 

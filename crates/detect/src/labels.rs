@@ -94,7 +94,7 @@ impl Labels {
         }
     }
 
-    /// How many numbers a network gives: one more than the highest label.
+    /// Returns how many numbers a network gives: one more than the highest label.
     pub fn count(self) -> usize {
         match self {
             Labels::Coco80 => COCO80.len(),

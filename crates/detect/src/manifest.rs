@@ -19,13 +19,13 @@ use scaleproof_core::spelling;
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Manifest {
-    /// What chooses it.
+    /// Name by which it is chosen.
     pub name: String,
-    /// What a report calls it.
+    /// Name in reports.
     pub title: String,
     /// Licence of the weights.
     pub licence: String,
-    /// Where the weights come from.
+    /// Origin of the weights.
     pub origin: String,
     /// Names of its classes.
     pub labels: Labels,
@@ -34,14 +34,14 @@ pub struct Manifest {
     pub published_ap: Option<f64>,
     /// File, hash and address of the weights.
     pub weights: Weights,
-    /// How a photo becomes its input.
+    /// Preparation of a photo as its input.
     pub input: Input,
-    /// How its outputs become boxes.
+    /// Reading of its outputs as boxes.
     pub head: Head,
-    /// What labels count as, where not as themselves: label of the detector → label of the scene.
+    /// Labels that count as others: label of the detector → label of the scene.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub class_map: BTreeMap<String, String>,
-    /// Where the manifest lies, if it is a user's; its weights lie there too.
+    /// Folder of the manifest, if it is a user's; its weights lie there too.
     #[serde(skip)]
     pub folder: Option<PathBuf>,
 }
@@ -59,7 +59,7 @@ pub struct Weights {
     pub sha256: String,
 }
 
-/// From a photo to the input tensor.
+/// The preparation of a photo as input tensor.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Input {
@@ -73,7 +73,7 @@ pub struct Input {
     pub values: Values,
     pub resize: Resize,
     pub kernel: Kernel,
-    /// What is around a letterboxed photo.
+    /// Border around a letterboxed photo.
     #[serde(default, skip_serializing_if = "is_default")]
     pub pad: Pad,
     pub channels: Channels,
@@ -290,7 +290,7 @@ impl Manifest {
         Ok(text)
     }
 
-    /// Whether a detector may have this name: files are named by it.
+    /// Returns whether a detector may have this name: files are named by it.
     pub fn is_name(name: &str) -> bool {
         let is_plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
         (1..=LONGEST_NAME).contains(&name.len()) && !name.starts_with('.') && name.chars().all(is_plain)
@@ -369,7 +369,7 @@ impl Weights {
     }
 }
 
-/// Whether a file is called as those that ONNX Runtime reads.
+/// Returns whether a file is called as those that ONNX Runtime reads.
 pub(super) fn is_network(name: &str) -> bool {
     let lower = name.to_ascii_lowercase();
     lower.ends_with(".onnx") || lower.ends_with(".ort")

@@ -29,17 +29,21 @@ use scaleproof_core::workers::stopwatch::{Stage, timed};
 pub enum DetectError {
     #[error(transparent)]
     Message(#[from] Message),
-    #[error("{detector} answered with {what}: no box of it can be trusted")]
-    NotANumber {
-        detector: String,
-        /// A NaN, an infinity or a box that is not finite, and where.
-        what: String,
-    },
-    #[error(
-        "{detector} has not answered within {seconds} s and was stopped: its network may run in an endless loop, so export it again, \
-         or use another one"
-    )]
-    TooLong { detector: String, seconds: f64 },
+    /// The network answered with a NaN, an infinity or a box that is not finite.
+    #[error(transparent)]
+    NotANumber(Message),
+    #[error(transparent)]
+    TooLong(Message),
+}
+
+impl DetectError {
+    /// The error of a detector that was stopped.
+    pub(super) fn too_long(detector: &dyn Display, limit: Duration) -> DetectError {
+        DetectError::TooLong(message!(
+            "{detector} has not answered within {} s and was stopped: its network may run in an endless loop, so export it again, or use another one",
+            limit.as_secs_f64()
+        ))
+    }
 }
 
 /// Time limit for one photo, far more than any network takes on a single core. A loop in its file may never end.
@@ -121,27 +125,23 @@ impl Detector {
     /// Like [`Detector::detect`], for a photo of this width and height, px, of which `photo` is a reduced image, no smaller than
     /// [`Manifest::least_px`], or brought to [`Manifest::opencv_linear_px`]; boxes are in pixels of the full photo.
     pub fn detect_reduced(&mut self, photo: &RgbImage, width: u32, height: u32) -> Result<Vec<Detection>, DetectError> {
-        let detector = || self.manifest.name.clone();
-        let failed = |reason: String| DetectError::from(message!("{} failed: {reason}", self.manifest.name));
-        let not_a_number = |what: String| DetectError::NotANumber {
-            detector: detector(),
-            what,
+        let detector = &self.manifest.name;
+        let failed = |reason: String| DetectError::from(message!("{detector} failed: {reason}"));
+        let not_a_number = |what: String| {
+            DetectError::NotANumber(message!("{detector} answered with {what}: no box of it can be trusted"))
         };
         let (input, in_photo_px) = (&self.manifest.input, heads::wants_photo_size(&self.manifest.head));
         let placement = InputPlacement::new(input, width, height);
         let (session, limit) = (&mut self.session, self.time_limit);
         let outputs = run(session, input, in_photo_px, photo, &placement, limit).map_err(|e| match e {
             NoAnswer::Failed(e) => failed(e.to_string().replace('\n', " ")),
-            NoAnswer::TooLong => DetectError::TooLong {
-                detector: detector(),
-                seconds: limit.as_secs_f64(),
-            },
+            NoAnswer::TooLong => DetectError::too_long(detector, limit),
         })?;
         if let Some(what) = heads::with_no_number(&outputs) {
             return Err(not_a_number(what));
         }
         let candidates = heads::candidates(&self.manifest, &outputs, placement.canvas).map_err(|e| match e {
-            HeadError::NotFinite { what } => not_a_number(what),
+            HeadError::NotFinite(what) => not_a_number(what),
             e => failed(e.to_string()),
         })?;
         let candidates = match self.manifest.head {
@@ -151,8 +151,7 @@ impl Detector {
         let candidates = BestFirst::new(candidates, self.manifest.head.nms_iou());
         if let Some(score) = candidates.highest_score().filter(|score| *score > HIGHEST_SCORE) {
             bail!(
-                "{} gives a box the score {score}: was it exported without its sigmoid, or is its head another one?",
-                self.manifest.name
+                "{detector} gives a box the score {score}: was it exported without its sigmoid, or is its head another one?"
             );
         }
         let [w, h] = placement.photo;

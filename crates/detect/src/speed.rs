@@ -1,4 +1,4 @@
-//! How long detectors take for a photo, measured once and kept in a file, so that reports stay the same bytes.
+//! Times that detectors take for a photo, measured once and kept in a file, so that reports stay the same bytes.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -1,31 +1,23 @@
-//! Where weight files are looked for, and that they are the right ones.
+//! Weight files: the folders that may hold them, and their hashes.
 
 use std::path::{Path, PathBuf};
 
 use super::Manifest;
 use super::onnx::external_files;
 use scaleproof_core::files;
-use scaleproof_core::message::{Hint, Message, message};
+use scaleproof_core::message::{Message, message};
 
 /// Why a detector's weights cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WeightsError {
-    #[error("no weights for {name}: {remedy}")]
-    Missing {
-        name: String,
-        remedy: String,
-        #[source]
-        hint: Hint,
-    },
-    #[error("{files} is not the file {name} was described with (SHA-256 {found}…, expected {expected}…): {remedy}")]
+    #[error(transparent)]
+    Missing(Message),
+    #[error("{message}")]
     WrongHash {
-        name: String,
-        remedy: String,
         /// The path, and which files beside it hold its tensors.
         files: String,
-        found: String,
-        expected: String,
+        message: Message,
     },
     #[error(transparent)]
     File(#[from] files::FileError),
@@ -67,7 +59,7 @@ impl WeightFolders {
         })
     }
 
-    /// Where a detector's weights lie, if anywhere; not yet checked.
+    /// Returns where a detector's weights lie, if anywhere; not yet checked.
     pub fn find(&self, manifest: &Manifest) -> Option<PathBuf> {
         let beside = manifest.folder.iter();
         beside
@@ -78,14 +70,15 @@ impl WeightFolders {
 
     /// The detector's weights, present and with the right hash.
     pub fn checked(&self, manifest: &Manifest) -> Result<PathBuf, WeightsError> {
-        let (name, file) = (manifest.name.clone(), manifest.weights.file.clone());
+        let (name, file) = (&manifest.name, &manifest.weights.file);
         let fetch = format!("`scaleproof detectors fetch {name}`");
         let has_url = !manifest.weights.url.is_empty();
         let remedy = |by_hand: String, with: &str| if has_url { format!("{with} {fetch}") } else { by_hand };
         let Some(path) = self.find(manifest) else {
             let remedy = remedy(format!("put {file} beside its manifest"), "get them with");
-            let hint = Hint::new(format!("a folder that has {file} is named by ‹detectors›"));
-            return Err(WeightsError::Missing { name, remedy, hint });
+            let fault = message!("no weights for {name}: {remedy}");
+            let hint = format!("a folder that has {file} is named by ‹detectors›");
+            return Err(WeightsError::Missing(fault.hint(hint)));
         };
         let Some(found) = other_hash(manifest, &path)? else {
             return Ok(path);
@@ -98,14 +91,12 @@ impl WeightFolders {
             format!("{} with {} beside it", path.display(), names.join(", "))
         };
         let by_hand = "put the right file there, or describe this one with `scaleproof detectors add`";
-        let twelve = |hash: &str| hash.chars().take(12).collect();
-        Err(WeightsError::WrongHash {
-            name,
-            remedy: remedy(by_hand.to_owned(), "remove it and run"),
-            files,
-            found: twelve(&found),
-            expected: twelve(&manifest.weights.sha256),
-        })
+        let remedy = remedy(by_hand.to_owned(), "remove it and run");
+        let message = message!(
+            "{files} is not the file {name} was described with (SHA-256 {found:.12}…, expected {:.12}…): {remedy}",
+            manifest.weights.sha256
+        );
+        Err(WeightsError::WrongHash { files, message })
     }
 }
 

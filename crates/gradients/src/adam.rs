@@ -4,7 +4,7 @@ use crate::layers::Number;
 
 const BETA: [f64; 2] = [0.9, 0.999];
 
-/// How a list of numbers is moved against its gradient.
+/// The settings of the optimiser, which moves numbers against their gradient.
 #[derive(Debug, Clone, Copy)]
 pub struct Adam {
     pub learning_rate: f64,

@@ -1,4 +1,4 @@
-//! Whether a gradient that another program gives is the derivative of the loss that it gives: along some directions it is held against
+//! Checks that a gradient of another program is the derivative of its loss: along some directions it is compared with
 //! central differences.
 
 use rand::{RngExt, SeedableRng};
@@ -6,7 +6,7 @@ use rand_pcg::Pcg32;
 
 use super::{ImageLoss, WhiteBoxError};
 
-/// Where the loss is smaller, differences drown in rounding.
+/// Least loss whose differences do not drown in rounding.
 pub(super) const LEAST_LOSS: f64 = 0.01;
 /// Two requests about the same image may differ so much, relatively: a graphics card adds in another order each time.
 const SAME: f64 = 1e-3;
@@ -24,7 +24,7 @@ const ROUNDING: f64 = 2e-6;
 
 type Rgb = [f64; 3];
 
-/// What is wrong with a program's gradient, as a sentence about it; `first` is what it says of `image`. Of a partial gradient only sign and scale
+/// Says what is wrong with a program's gradient; `first` is what it says of `image`. Of a partial gradient only sign and scale
 /// are checked, along itself.
 pub(super) fn fault(
     image: &[Rgb],
@@ -78,9 +78,9 @@ fn dot(a: &[Rgb], b: &[Rgb]) -> f64 {
 
 /// The derivative along one direction.
 struct Along {
-    /// By the gradient.
+    /// Derivative by the gradient.
     said: f64,
-    /// By differences of growing steps, each with what rounding may do to it.
+    /// Derivatives by differences of growing steps, each with what rounding may do to it.
     found: Vec<[f64; 2]>,
 }
 
@@ -109,19 +109,19 @@ impl Along {
         Ok(Along { said, found })
     }
 
-    /// Whether the gradient, divided by a factor, is the derivative.
+    /// Returns whether the gradient, divided by a factor, is the derivative.
     fn agrees(&self, factor: f64, length: f64) -> bool {
         let tolerance = TOLERANCE * (length / factor).abs();
         let is_near = |[found, rounding]: &[f64; 2]| (self.said / factor - found).abs() <= tolerance + rounding;
         self.found.iter().any(is_near)
     }
 
-    /// Whether it is not even about half to twice the derivative.
+    /// Returns whether it is not even about half to twice the derivative.
     fn is_far_off(&self) -> bool {
         !(0.5..=2.0).contains(&(self.said / self.best())) && !self.agrees(1.0, self.said)
     }
 
-    /// What the two derivatives say of a gradient whose direction is right.
+    /// Describes a gradient whose direction alone is right by the two derivatives.
     fn wrong_scale(&self) -> String {
         let factor = self.said / self.best();
         let is_about = |scale: f64| (factor.abs() / scale - 1.0).abs() < 2.0 * TOLERANCE;
@@ -151,7 +151,7 @@ impl Along {
     }
 }
 
-/// What the directions say of a gradient of a length; the first is its own.
+/// Describes a gradient of a length by the directions, of which the first is its own.
 fn sentence(all: &[Along], length: f64) -> Option<String> {
     let agree = |factor: f64| all.iter().all(|along| along.agrees(factor, length));
     if agree(1.0) {

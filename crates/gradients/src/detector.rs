@@ -99,13 +99,13 @@ impl<T: Number> OnnxDetector<T> {
         })
     }
 
-    /// Whether the label that scoring takes is one that counts.
+    /// Returns whether the label that scoring takes is one that counts.
     fn is_reported(&self, anchor: &Anchor, anchors: &Anchors, output: &Output) -> bool {
         let best = || anchors.best_label(anchor, &output.raw, self.manifest.labels.count()).0;
         anchor.label.is_some() || anchors.keeps == AnchorLabels::All || self.labels.contains(&best())
     }
 
-    /// What an anchor's confidence is made of: its objectness and the best of the labels that count.
+    /// Returns what an anchor's confidence is made of: its objectness and the best of the labels that count.
     fn terms(&self, anchor: &Anchor, anchors: &Anchors, output: &Output) -> Terms {
         let [objectness, label] = anchors.exponents;
         let term =
@@ -168,7 +168,7 @@ impl<T: Number> WhiteBox for OnnxDetector<T> {
     }
 }
 
-/// What the file itself answers, for the heads.
+/// Returns the output as the file itself has it, for the heads.
 fn tensor(output: &Output) -> Tensor {
     Tensor {
         name: output.name.clone(),
@@ -184,7 +184,7 @@ fn tensor(output: &Output) -> Tensor {
 /// One factor of a confidence: p^exponent.
 #[derive(Debug, Clone, Copy)]
 struct Term {
-    /// Where the number lies that it comes from.
+    /// Output that its number comes from, and the number's index there.
     output: usize,
     index: usize,
     /// ln(p^exponent), exact near 0 where it comes from a logit.
@@ -193,7 +193,7 @@ struct Term {
     derivative: f64,
 }
 
-/// Where only p in 32 bits is known, 1 − p is known no finer than this.
+/// Resolution of 1 − p where only p in 32 bits is known.
 const FINEST: f64 = 1.0 / (1 << 24) as f64;
 
 impl Term {
@@ -244,7 +244,7 @@ impl Terms {
     }
 }
 
-/// What the network says of one image.
+/// The forward pass of one image.
 struct Seen<'a, T> {
     predictions: Vec<Prediction>,
     terms: Vec<Terms>,

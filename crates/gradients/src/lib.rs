@@ -1,7 +1,7 @@
 //! Differentiable detectors: the predictions of a detector for an image, and their derivatives by its pixels.
 //!
 //! - [`WhiteBox`]: what an attack asks of a detector;
-//! - [`program`]: a program as a [`WhiteBox`], whose derivatives are held against differences first;
+//! - [`program`]: a program as a [`WhiteBox`], whose derivatives are compared with differences first;
 //! - [`detector`]: a detector of the program as a [`WhiteBox`], from the ONNX file that scoring runs ([`onnx`]);
 //! - [`layers`]: what networks are made of, on plain arrays; [`layers::learning`]: networks whose weights are learnt;
 //! - [`adam`]: the steps of weights and of patterns.

@@ -16,7 +16,7 @@ pub struct ProgramWhiteBox {
     program: ProgramDetector,
     manifest: Manifest,
     labels: Vec<usize>,
-    /// Whether its gradient was held against differences of its loss.
+    /// True once its gradient was compared with differences of its loss.
     is_checked: Cell<bool>,
 }
 
@@ -66,7 +66,7 @@ impl WhiteBox for ProgramWhiteBox {
         &self.manifest.name
     }
 
-    /// What it answers is suppressed already.
+    /// The overlap is 1: its boxes are suppressed already.
     fn nms_iou(&self) -> f64 {
         1.0
     }

@@ -32,7 +32,7 @@ impl Resampler {
         }
     }
 
-    /// Where the resized image lies in the input.
+    /// Returns where the resized image lies in the input.
     pub fn placement(&self) -> &InputPlacement {
         &self.placement
     }
@@ -54,7 +54,7 @@ impl Resampler {
         tensor
     }
 
-    /// From the derivative with respect to the tensor's numbers to that with respect to the image's.
+    /// Returns the derivative by the image's numbers from that by the tensor's (the adjoint).
     pub fn backward(&self, gradient: &[f32]) -> Vec<[f64; 3]> {
         let mut resized = vec![[0.0; 3]; self.inside().count()];
         for channel in 0..3 {
@@ -90,7 +90,7 @@ impl Resampler {
         (f64::from(self.input.mean[channel]), f64::from(self.input.std[channel]))
     }
 
-    /// Which of red, green, blue a channel of the tensor is.
+    /// Returns which of red, green, blue a channel of the tensor is.
     fn source(&self, channel: usize) -> usize {
         match self.input.channels {
             Channels::Rgb => channel,

@@ -20,7 +20,7 @@ pub fn strongest(predictions: &[Prediction], outline: &BoxPx, least_iou: f64) ->
 }
 
 impl ImageLoss {
-    /// Of the predictions that meet the model; `None` where none does.
+    /// Computes the loss of the predictions that meet the model; `None` where none does.
     pub fn from_pass(pass: Box<dyn ForwardPass + '_>, outline: &BoxPx, boxes: Boxes) -> Option<ImageLoss> {
         let predictions = pass.predictions();
         let worst = strongest(predictions, outline, MEETS_IOU)?;

@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::WhiteBoxError;
 use scaleproof_core::geometry::BoxPx;
 
-/// Which of the boxes that meet the model an attack works against.
+/// The boxes that an attack works against, among those that meet the model.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Boxes {
@@ -28,7 +28,7 @@ impl Boxes {
     }
 }
 
-/// What one anchor of a detector says about the classes that count as the model.
+/// The prediction of one anchor about the classes that count as the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prediction {
     pub box_px: BoxPx,
@@ -51,7 +51,7 @@ pub trait WhiteBox {
     /// All anchors, without suppression of neighbours and without a floor; of a program those that it keeps.
     ///
     /// # Errors
-    /// What the detector cannot do with this image.
+    /// An image that the detector cannot look at.
     fn predictions(&self, image: &[[f64; 3]], size_px: [u32; 2]) -> Result<Vec<Prediction>, WhiteBoxError>;
 
     /// The loss of the predictions that meet `outline`, the box around the model: of the strongest, or of all; `None` where none meets it.

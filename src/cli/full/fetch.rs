@@ -60,6 +60,6 @@ pub(in crate::cli) fn download(manifest: &Manifest, folders: &WeightFolders) -> 
 }
 
 pub(super) fn advice(error: &(dyn Error + 'static)) -> Option<String> {
-    matches!(error.downcast_ref(), Some(FetchError::Taken { .. }))
+    matches!(error.downcast_ref(), Some(FetchError::Taken(_)))
         .then(|| ", or fetch into another folder by --detectors".into())
 }

@@ -1,17 +1,14 @@
 //! Tests of `cli/advice.rs`.
 
 use super::*;
-use scaleproof_core::message::{Hint, message};
+use scaleproof_core::message::{Message, message};
 use scaleproof_detect::WeightsError;
 use scaleproof_score::{EvaluatedDetectorError, ScoreError};
 
 #[test]
 fn what_the_library_leaves_out_the_commands_add() {
-    let missing = WeightsError::Missing {
-        name: "a".into(),
-        remedy: "fetch them".into(),
-        hint: Hint::new("a folder that has a.onnx is named by ‹detectors›"),
-    };
+    let missing = Message::new("no weights for a: fetch them").hint("a folder that has a.onnx is named by ‹detectors›");
+    let missing = WeightsError::Missing(missing);
     let wrapped = EvaluatedDetectorError::from(missing);
     assert_eq!(
         sentence(&wrapped),

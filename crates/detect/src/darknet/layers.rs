@@ -4,7 +4,7 @@ use super::cfg::Section;
 use super::weights::Weights;
 use crate::onnx::{Attribute, GraphWriter};
 
-/// What a layer answers with: the name of its tensor 1×c×h×w.
+/// The output of a layer: the name of its tensor 1×c×h×w.
 #[derive(Debug, Clone)]
 struct Layer {
     name: String,
@@ -28,7 +28,7 @@ const MOST_NUMBERS: usize = 1 << 28;
 /// An image of 8192 px in cells of 8.
 const MOST_CELLS: usize = 1 << 20;
 
-/// What Darknet adds to a variance (`normalize_cpu`).
+/// Number that Darknet adds to a variance (`normalize_cpu`).
 const LEAST_VARIANCE: f32 = 1e-5;
 
 impl Converter {

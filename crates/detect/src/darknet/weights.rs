@@ -3,7 +3,7 @@
 /// The numbers that are not taken yet.
 pub(super) struct Weights<'a> {
     rest: &'a [u8],
-    /// How many were asked for and are not there.
+    /// Count of numbers that were asked for and are not there.
     pub missing: usize,
 }
 

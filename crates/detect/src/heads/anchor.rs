@@ -18,7 +18,7 @@ pub struct Anchor {
     pub first_label: usize,
     /// The only label it has a score for, in heads that name it.
     pub label: Option<usize>,
-    /// From one label's score to the next.
+    /// Step from one label's score to the next.
     pub label_step: usize,
 }
 
@@ -27,11 +27,11 @@ pub struct Anchors {
     pub anchors: Vec<Anchor>,
     /// score = objectness^exponents\[0\] · label^exponents\[1\]
     pub exponents: [f32; 2],
-    /// Whether both are the sigmoids of the outputs' numbers.
+    /// True where both are the sigmoids of the outputs' numbers.
     pub are_logits: bool,
-    /// Which of the labels the first score is of: 1 where the list begins with the background and the outputs do not.
+    /// The label that the first score is of: 1 where the list begins with the background and the outputs do not.
     pub first_scored: usize,
-    /// Whether each label of an anchor that reaches the score floor is a detection, or the best alone.
+    /// True where each label of an anchor that reaches the score floor is a detection, or the best alone.
     pub keeps: AnchorLabels,
 }
 
@@ -122,7 +122,7 @@ pub(super) fn centred([cx, cy, w, h]: [f32; 4]) -> BoxPx {
     BoxPx::new(cx - w / 2.0, cy - h / 2.0, cx + w / 2.0, cy + h / 2.0)
 }
 
-/// A candidate; `None` below the score floor and for a box without an area. A box that is not finite stays: [`candidates`] refuses the
+/// A candidate; `None` below the score floor and for a box without an area. A box that is not finite stays: [`super::candidates`] refuses the
 /// whole answer, since dropping it would make a network that fails look like one that finds nothing.
 pub(super) fn from_corners(label: usize, score: f32, b: BoxPx) -> Option<CandidateBox> {
     let score = f64::from(score);

@@ -16,7 +16,7 @@ const STRIDES: [u32; 5] = [8, 16, 32, 64, 128];
 /// Width and height in parts of an anchor's side.
 const ASPECTS: [[f32; 2]; 3] = [[1.0, 1.0], [1.4, 0.7], [0.7, 1.4]];
 
-/// How many anchors an input of width × height `size` in pixels has.
+/// Counts the anchors of an input of width × height `size` in pixels.
 pub fn count(size: [u32; 2]) -> usize {
     let cells = STRIDES.map(|stride| size.map(|side| side.div_ceil(stride) as usize));
     9 * cells.map(|[columns, rows]| columns * rows).iter().sum::<usize>()
@@ -88,7 +88,7 @@ pub fn grids(outputs: &[Tensor], size: [u32; 2]) -> Option<Grids> {
 /// Anchors, and how many labels they have scores for.
 type Found = (Vec<Anchor>, usize);
 
-/// Of each cell's channels the offsets are four for each of nine anchors, the scores one for each label of each.
+/// Decodes grids: of each cell's channels the offsets are four for each of nine anchors, the scores one for each label of each.
 fn of_grids(outputs: &[Tensor], size: [u32; 2], head: EfficientdetHead, grids: &Grids) -> Found {
     let mut own = own_boxes(size, head.anchor_scale as f32);
     let mut found = Vec::new();

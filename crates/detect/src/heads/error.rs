@@ -8,11 +8,9 @@ use scaleproof_core::message::{Message, message};
 pub enum HeadError {
     #[error(transparent)]
     Message(#[from] Message),
-    #[error("it answered with {what}")]
-    NotFinite {
-        /// A box that is not finite, and in which output.
-        what: String,
-    },
+    /// A box that is not finite, and in which output.
+    #[error("it answered with {0}")]
+    NotFinite(String),
 }
 
 /// Refuses outputs that are not what the manifest says.

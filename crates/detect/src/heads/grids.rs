@@ -62,7 +62,7 @@ pub(super) fn yolov4(
     decoded(outputs, size, labels, "yolov4", grids)
 }
 
-/// Where the numbers of a grid's boxes lie: for n anchors and r numbers a box, 1×(n·r)×rows×columns as Darknet has them, 1×n×rows×columns×r,
+/// The order of a grid's numbers: for n anchors and r numbers a box, 1×(n·r)×rows×columns as Darknet has them, 1×n×rows×columns×r,
 /// 1×rows×columns×n×r, or 1×rows×columns×(n·r).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Order {
@@ -83,7 +83,7 @@ impl Order {
         }
     }
 
-    /// Where the numbers of the nth anchor of a cell begin, and how far apart they are.
+    /// Returns where the numbers of the nth anchor of a cell begin, and how far apart they are.
     fn place(self, nth: usize, cell: usize, plane: usize, anchors: usize, row: usize) -> (usize, usize) {
         match self {
             Order::Planes => (nth * row * plane + cell, plane),

@@ -10,13 +10,13 @@ use scaleproof_core::message::Message;
 
 pub(super) struct Rows<'a> {
     labels: Vec<i64>,
-    /// What the four numbers of a row mean is the head's business.
+    /// Four numbers a row, which each head reads in its own way.
     boxes: &'a [[f32; 4]],
     scores: &'a [f32],
     output: usize,
 }
 
-/// How TensorFlow's Object Detection API calls boxes, labels, scores and their number.
+/// Names that TensorFlow's Object Detection API gives boxes, labels, scores and their number.
 pub(crate) const TENSORFLOW: [&str; 4] = [
     "detection_boxes",
     "detection_classes",

@@ -102,8 +102,10 @@ pub fn candidates(manifest: &Manifest, outputs: &[Tensor], size: [u32; 2]) -> Re
         [only] => format!(" in its output {}", only.name),
         _ => String::new(),
     };
-    let what = format!("a box that is not finite ({:?}){place}", <[f64; 4]>::from(c.b));
-    Err(HeadError::NotFinite { what })
+    let corners = <[f64; 4]>::from(c.b);
+    Err(HeadError::NotFinite(format!(
+        "a box that is not finite ({corners:?}){place}"
+    )))
 }
 
 /// A NaN or an infinity and the first output that holds it, as the end of the sentence "it answered with …". Minus infinity is a logit

@@ -15,9 +15,9 @@ use scaleproof_core::message::Message;
 /// The outputs of a head with boxes and scores apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Pair {
-    /// Which output has the boxes, 1×n×4 or 1×n×1×4.
+    /// Index of the output with the boxes, 1×n×4 or 1×n×1×4.
     pub boxes: usize,
-    /// Which output has the scores, 1×n×columns.
+    /// Index of the output with the scores, 1×n×columns.
     pub scores: usize,
     pub rows: usize,
     pub columns: usize,
@@ -53,7 +53,7 @@ fn is_prior(t: &Tensor) -> bool {
         .any(|name| t.name.to_lowercase().contains(name))
 }
 
-/// Whether so many columns hold the scores of these labels: one each, one more for the background, or COCO's 90 category ids from 1 on.
+/// Returns whether so many columns hold the scores of these labels: one each, one more for the background, or COCO's 90 category ids from 1 on.
 pub(crate) fn has_room(columns: usize, labels: usize) -> bool {
     columns == labels || columns == labels + 1 || (columns, labels) == (90, 91)
 }

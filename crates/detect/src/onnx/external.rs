@@ -7,7 +7,7 @@ use super::wire::{Field, Fields};
 /// Graphs within graphs beyond which nothing is looked for: loops in loops are a few deep.
 const DEEPEST: usize = 32;
 
-/// What a message is, as far as tensors may lie in it.
+/// The kinds of messages that tensors may lie in.
 #[derive(Clone, Copy)]
 enum Kind {
     Model,

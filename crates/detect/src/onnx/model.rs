@@ -142,7 +142,7 @@ impl Node {
         holds_graphs.then(|| self.operator.clone())
     }
 
-    /// What a `Constant` holds: numbers, in the one attribute that it has.
+    /// Returns the tensor of a `Constant`: numbers, in the one attribute that it has.
     pub(super) fn constant(&self) -> Option<Tensor> {
         let (name, value) = self.attributes.first_key_value()?;
         let (count, numbers) = match value.clone() {

@@ -1,4 +1,4 @@
-//! Who made an ONNX file, and what its first nodes do with the image. Source: `onnx.proto3` of ONNX 1.19.
+//! The maker of an ONNX file, and the preparation of the image by its first nodes. Source: `onnx.proto3` of ONNX 1.19.
 
 use std::collections::BTreeMap;
 
@@ -9,9 +9,9 @@ use super::wire::{Field, Fields};
 pub(crate) struct OnnxFile {
     /// The exporter's name and the graph's, in lower case, a space between them.
     pub made_by: String,
-    /// What the first nodes do with each channel of the image before anything looks at it; `None` where they do nothing of that kind.
+    /// The change of each channel by the first nodes of the image before anything looks at it; `None` where they do nothing of that kind.
     pub prepares: Option<Affine>,
-    /// Whether it looks at places of its features that it computes itself (`GridSample`), as deformable attention does.
+    /// True where it looks at places of its features that it computes itself (`GridSample`), as deformable attention does.
     pub samples: bool,
 }
 
@@ -23,7 +23,7 @@ pub(crate) struct Affine {
 }
 
 impl Affine {
-    /// By what values from 0 to 255 are to be divided for it: it brings either these or those from 0 to 1 to the range of the network.
+    /// Returns the divisor of values from 0 to 255 for it: it brings either these or those from 0 to 1 to the range of the network.
     pub(crate) fn std(self) -> f32 {
         if self.scale.abs() < 0.1 { 1.0 } else { 255.0 }
     }

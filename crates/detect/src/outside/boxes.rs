@@ -1,4 +1,4 @@
-//! What files of another program say of photos, not checked yet.
+//! Boxes as files of another program have them, not checked yet.
 
 /// The boxes of a photo.
 #[derive(Debug, Default)]
@@ -18,7 +18,7 @@ pub(super) struct RawBox {
     pub xywh: [f64; 4],
 }
 
-/// What a reader of one format returns.
+/// The contents of files of one format.
 pub(super) struct ReadResults {
     pub by_photo: Vec<PhotoBoxes>,
     /// Images that are no photo of the run, as the file calls them.

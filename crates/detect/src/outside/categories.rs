@@ -1,4 +1,4 @@
-//! What the numbers of a results file mean: COCO's categories, those of a COCO file, or a list of names.
+//! The meaning of a results file's numbers: COCO's categories, those of a COCO file, or a list of names.
 
 use std::collections::BTreeMap;
 use std::path::Path;

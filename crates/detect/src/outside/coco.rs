@@ -28,7 +28,7 @@ struct Line {
     score: Option<f64>,
 }
 
-/// What names an image: COCO's number, or some programs' file name.
+/// The id of an image: COCO's number, or some programs' file name.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 #[serde(untagged, expecting = "an image's id is a whole number from 0 up, or a name")]
 enum ImageId {
@@ -139,7 +139,7 @@ struct Photos<'a> {
     by_photo: Vec<PhotoBoxes>,
     /// The photo of each image, where there is one.
     by_id: BTreeMap<ImageId, Option<usize>>,
-    /// What the results call a photo, where they name it themselves.
+    /// Names of photos in the results, where they name them themselves.
     called: BTreeMap<usize, String>,
     unknown: BTreeSet<String>,
 }

@@ -33,7 +33,7 @@ pub struct OutsideResults {
     path: PathBuf,
     /// In the order of the run's photos.
     by_photo: Vec<PhotoBoxes>,
-    /// Whether boxes count shares of the photo's width and height, else pixels.
+    /// True where boxes count shares of the photo's width and height, else pixels.
     are_shares: bool,
 }
 
@@ -163,7 +163,7 @@ fn check_copies(boxes: &[RawBox]) -> Result<(), String> {
     }
 }
 
-/// What a reader of the figures must know of the files.
+/// Returns cautions about the files for a reader of the figures.
 fn notes(request: &ResultsRequest, read: &ReadResults) -> Vec<String> {
     let (name, mut notes) = (request.name, Vec::new());
     let photos = || request.photos.iter().zip(&read.by_photo);

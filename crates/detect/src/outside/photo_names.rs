@@ -1,4 +1,4 @@
-//! Which photo of a run a name means that another program wrote: its path or the end of it, its name, or its name without the ending.
+//! The photo of a run that another program's name means: its path or the end of it, its name, or its name without the ending.
 
 use std::collections::HashMap;
 use std::path::{Component, Path};

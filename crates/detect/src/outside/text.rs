@@ -11,7 +11,7 @@ pub(super) fn hashed_text(path: &Path) -> Result<(String, (String, String)), Fil
     Ok((text, (files::name_of(path), sha256)))
 }
 
-/// What is wrong with some JSON, and where.
+/// Creates the error of invalid JSON, with its line.
 pub(super) fn syntax(path: &Path, e: &serde_json::Error) -> FileError {
     let text = e.to_string();
     let message = text.split(" at line ").next().unwrap_or(&text);

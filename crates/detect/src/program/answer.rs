@@ -1,4 +1,4 @@
-//! What a program answers: the boxes in a photo, in one line; or the loss of an image, in a line with the loss's derivative by each value of
+//! Answers of programs: the boxes in a photo, in one line; or the loss of an image, in a line with the loss's derivative by each value of
 //! the image behind it.
 
 use serde::{Deserialize, Deserializer};
@@ -98,7 +98,7 @@ pub fn detections(line: &str, id: u64, size: [u32; 2], labels: Labels) -> Result
 /// Boxes in a photo of width × height `size`, px, as detections of some labels: best first, as many as count.
 ///
 /// # Errors
-/// What is wrong with one of them.
+/// A fault of one of them.
 pub fn checked(found: Vec<FoundBox>, size: [u32; 2], labels: Labels) -> Result<Vec<Detection>, String> {
     if found.len() > MOST_BOXES {
         return Err(format!(
@@ -143,7 +143,7 @@ struct LossLine {
     /// `null` where no box meets the model.
     #[serde(default, deserialize_with = "given")]
     loss: Option<Option<f64>>,
-    /// Of the array behind the line.
+    /// Sides of the array behind the line.
     shape: Option<Vec<u64>>,
     error: Option<String>,
 }
@@ -193,7 +193,7 @@ fn check_shape(what: &str, shape: Option<Vec<u64>>, size: [u32; 2]) -> Result<()
 #[serde(deny_unknown_fields)]
 struct ImageLine {
     id: u64,
-    /// Of the array of bytes behind the line.
+    /// Sides of the array of bytes behind the line.
     shape: Option<Vec<u64>>,
     error: Option<String>,
 }
@@ -230,7 +230,7 @@ pub(super) fn start(text: &str) -> String {
     text.chars().take(60).collect()
 }
 
-/// What stands in place of JSON.
+/// Says what stands in place of JSON.
 fn garbage(line: &str, e: &serde_json::Error) -> String {
     let number = ["NaN", "Infinity"]
         .into_iter()

@@ -11,11 +11,11 @@ use super::groups::{Group, lock};
 
 /// No line of an answer is longer: ten thousand boxes have a megabyte.
 const LONGEST_LINE: u64 = 8 << 20;
-/// So much of a line on standard error is kept.
+/// Longest part of a line on standard error that is kept, in bytes.
 const LONGEST_WORDS: u64 = 2000;
-/// What a program gets to end by itself when it is not needed any more.
+/// Time for a program to end by itself when it is not needed any more.
 const GRACE: Duration = Duration::from_secs(2);
-/// How often it is looked at whether a silent program still runs: one that it started may hold its output open after its end.
+/// Interval of the checks whether a silent program still runs: one that it started may hold its output open after its end.
 const LOOK: Duration = Duration::from_millis(100);
 
 /// Why a program gave no line.
@@ -82,7 +82,7 @@ impl Child {
         String::from_utf8(self.read(None, limit)?).map_err(|_| Silence::NoText)
     }
 
-    /// So many bytes behind a line, or the next line, waited for.
+    /// Waits for so many bytes behind a line, or for the next line.
     pub(super) fn read(&mut self, count: Option<usize>, limit: Duration) -> Result<Vec<u8>, Silence> {
         let _ = self.wanted.send(count);
         let (start, mut has_ended) = (Instant::now(), false);
@@ -143,7 +143,7 @@ fn writer(mut stdin: ChildStdin) -> SyncSender<Vec<u8>> {
     to
 }
 
-/// Where what is to be read is asked for, so many bytes or a line, and where it arrives.
+/// The channel that asks for bytes or a line, and the one that they arrive in.
 type Reading = (SyncSender<Option<usize>>, Receiver<Result<Vec<u8>, Silence>>);
 
 /// Reads only the answer: whatever else the program writes waits in its pipe.
@@ -172,7 +172,7 @@ fn reader(stdout: impl Read + Send + 'static) -> Reading {
     (want, heard)
 }
 
-/// What a program writes to standard error.
+/// The standard error of a program.
 #[derive(Debug)]
 struct Words {
     /// The last line that is not empty.

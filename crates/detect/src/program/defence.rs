@@ -29,7 +29,7 @@ impl ProgramDefence {
         self.0.is_deterministic()
     }
 
-    /// What it makes of an image, of the same size. `file` is what messages call it; whatever is random is to follow from `seed`.
+    /// Returns the image as the program changes it, of the same size. `file` is what messages call it; whatever is random is to follow from `seed`.
     pub fn defended(&self, file: &str, image: &RgbImage, seed: u32) -> Result<RgbImage, ProgramError> {
         let (id, (width, height)) = (self.0.next_id(), image.dimensions());
         let count = image.as_raw().len();

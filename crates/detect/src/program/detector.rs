@@ -23,9 +23,9 @@ use scaleproof_core::message::{Message, message};
 /// A photo for a program.
 pub struct ProgramPhoto<'a> {
     pub path: &'a Path,
-    /// What messages call it.
+    /// Name in messages.
     pub file: &'a str,
-    /// Of the upright photo, px.
+    /// Width and height of the upright photo, px.
     pub size: [u32; 2],
     /// Its pixels at full size, where [`ProgramDetector::takes_pixels`].
     pub pixels: Option<&'a RgbImage>,
@@ -115,17 +115,17 @@ impl ProgramDetector {
         self.hello.deterministic
     }
 
-    /// Whether it is fed with pixels, else with paths.
+    /// Returns whether it is fed with pixels, else with paths.
     pub fn takes_pixels(&self) -> bool {
         self.hello.input == InputRule::Rgb
     }
 
-    /// What [`ProgramDetector::loss_and_gradient`] gives.
+    /// Returns what [`ProgramDetector::loss_and_gradient`] gives.
     pub fn gradients(&self) -> Gradients {
         self.hello.gradients
     }
 
-    /// What the program finds in a photo, best first.
+    /// Returns the detections in a photo, best first.
     pub fn detect(&self, photo: &ProgramPhoto) -> Result<Vec<Detection>, ProgramError> {
         let id = self.next_id();
         self.ask(photo.file, self.request(id, photo)?, |line, _| {
@@ -133,7 +133,7 @@ impl ProgramDetector {
         })
     }
 
-    /// What it answered for a photo in this run, by the SHA-256 of its file: a session that is scored again after each photo keeps earlier answers, whatever the program
+    /// Returns its answer for a photo in this run, by the SHA-256 of its file: a session that is scored again after each photo keeps earlier answers, whatever the program
     /// would say now.
     pub fn answered(&self, sha256: &str) -> Option<Vec<Detection>> {
         lock(&self.answers).get(sha256).cloned()
@@ -180,7 +180,7 @@ impl ProgramDetector {
         let mut child = self.lease()?;
         let line = child.send(request).and_then(|()| child.line(self.limit));
         let answer = line.and_then(|line| read(&line, &mut child));
-        let detector = self.card.name.clone();
+        let detector = &self.card.name;
         let fault = match answer {
             Err(silence) => {
                 let when = format!("before it answered about {about}");
@@ -188,15 +188,14 @@ impl ProgramDetector {
             }
             Ok(Err(NoAnswer::Fault(fault))) => {
                 drop(child.post_mortem());
-                untrusted(&detector, about, fault)
+                untrusted(detector, about, fault)
             }
             Ok(usable) => {
                 lock(&self.pool).idle.push(child);
                 self.freed.notify_one();
-                return usable.map_err(|why| match why {
-                    NoAnswer::Declined(sentence) | NoAnswer::Fault(sentence) => {
-                        ProgramError::Declined { detector, sentence }
-                    }
+                return usable.map_err(|why| {
+                    let (NoAnswer::Declined(sentence) | NoAnswer::Fault(sentence)) = why;
+                    ProgramError::Declined(message!("{detector} gives no answer: {sentence}"))
                 });
             }
         };
@@ -297,7 +296,7 @@ fn explained(spec: &ProgramSpec, child: Child, silence: Silence, limit: Duration
     message!("`{command}` {how} {when}{words}")
 }
 
-/// How a program without an exit code ended.
+/// Says how a program without an exit code ended.
 fn signalled(status: ExitStatus) -> String {
     #[cfg(unix)]
     if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&status) {
@@ -306,7 +305,7 @@ fn signalled(status: ExitStatus) -> String {
     format!("ended ({status})")
 }
 
-/// What is known of a program: what it says, what its manifest says, and the files of both.
+/// Creates the card of a program: what it says, what its manifest says, and the files of both.
 fn card(spec: &ProgramSpec, hello: &Hello) -> Result<ForeignCard, FileError> {
     let own = |text: &Option<String>, of_hello: &Option<String>| text.clone().or_else(|| of_hello.clone());
     let name = spec.name.clone().unwrap_or_else(|| hello.name.clone());

@@ -10,8 +10,9 @@ use scaleproof_core::message::{Message, message};
 pub enum ProgramError {
     #[error(transparent)]
     Message(#[from] Message),
-    #[error("{detector} gives no answer: {sentence}")]
-    Declined { detector: String, sentence: String },
+    /// The program says that it gives no answer about this image.
+    #[error(transparent)]
+    Declined(Message),
     #[error(transparent)]
     File(#[from] FileError),
     /// The error that all threads get which wait for the same program.

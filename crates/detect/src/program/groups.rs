@@ -5,7 +5,7 @@ use std::process::{Child, Command};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Whether programs get groups of their own, which a terminal's Ctrl-C does not reach.
+/// True where programs get groups of their own, which a terminal's Ctrl-C does not reach.
 static ARE_APART: AtomicBool = AtomicBool::new(cfg!(unix));
 
 /// Ids of the groups that run, each with its mark.
@@ -19,7 +19,7 @@ pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// From now on programs stay in the process group of this one, whose interruption reaches them: for callers that cannot call
+/// Keeps programs from now on in the process group of this one, whose interruption reaches them: for callers that cannot call
 /// [`kill_programs`] when they are interrupted.
 pub fn keep_programs_in_our_group() {
     ARE_APART.store(false, Ordering::Relaxed);

@@ -1,4 +1,4 @@
-//! What a program says of itself in its first line.
+//! The hello of a program, its first line.
 
 use std::path::PathBuf;
 
@@ -14,7 +14,7 @@ const LONGEST_TEXT: usize = 1000;
 const MOST_FILES: usize = 1000;
 const MOST_WORKERS: usize = 1024;
 
-/// What a program is, and how it is fed.
+/// The first line of a program: what it is, and its input.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Hello {
@@ -28,13 +28,13 @@ pub struct Hello {
     /// Files that its answers depend on.
     #[serde(default)]
     pub files: Vec<PathBuf>,
-    /// Whether the same photo always gets the same answer, so that answers may be kept.
+    /// True where the same photo always gets the same answer, so that answers may be kept.
     #[serde(default)]
     pub deterministic: bool,
-    /// Whether it gives the loss of an image and its derivative by each pixel, too.
+    /// The gradients that it gives: the loss of an image and its derivative by each pixel.
     #[serde(default)]
     pub gradients: Gradients,
-    /// So many may run side by side.
+    /// Most processes of it that may run side by side.
     #[serde(default = "one")]
     pub workers: usize,
     pub title: Option<String>,
@@ -42,7 +42,7 @@ pub struct Hello {
     pub origin: Option<String>,
 }
 
-/// What a program says of itself that changes images.
+/// The first line of a program that changes images.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct DefenceHello {
@@ -81,14 +81,14 @@ fn one() -> usize {
     1
 }
 
-/// What of the derivative of its loss a program gives.
+/// The part of its loss's derivative that a program gives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(try_from = "serde_json::Value")]
 pub enum Gradients {
     #[default]
     Nothing,
     Whole,
-    /// What the program leaves out on purpose is missing, as in detectors of two stages the way through the proposals.
+    /// All but a part that the program leaves out on purpose, as in detectors of two stages the way through the proposals.
     Partial,
 }
 
@@ -105,7 +105,7 @@ impl TryFrom<serde_json::Value> for Gradients {
     }
 }
 
-/// How a photo is handed over.
+/// The form in which a photo is handed over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum InputRule {
@@ -119,7 +119,7 @@ impl Hello {
     /// Reads a first line.
     ///
     /// # Errors
-    /// What is wrong with it, as the end of a sentence.
+    /// A fault of the line, as the end of a sentence.
     pub fn parse(line: &str) -> Result<Hello, String> {
         Self::parse_as(line, |line| serde_json::from_str(line))
     }
@@ -127,7 +127,7 @@ impl Hello {
     /// Reads the first line of a program that is a defence, which has no labels and takes pixels.
     ///
     /// # Errors
-    /// What is wrong with it, as the end of a sentence.
+    /// A fault of the line, as the end of a sentence.
     pub fn parse_of_defence(line: &str) -> Result<Hello, String> {
         Self::parse_as(line, |line| serde_json::from_str(line).map(DefenceHello::into_hello))
     }

@@ -1,4 +1,4 @@
-//! How a program is started: a command line, or a manifest with `command`.
+//! The start of a program: a command line, or a manifest with `command`.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use super::super::Manifest;
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::message::{Message, message};
 
-/// What begins the name of a detector that is a command line.
+/// Prefix of a detector's name that is a command line.
 const PREFIX: &str = "exec:";
 
 /// A program, and what a manifest says of it.
@@ -18,15 +18,15 @@ const PREFIX: &str = "exec:";
 pub struct ProgramSpec {
     /// The program and its arguments.
     pub command: Vec<String>,
-    /// What it is called here, in place of what it calls itself; so are the next three.
+    /// Name here, in place of the one that it gives itself; so are the next three.
     pub name: Option<String>,
     pub title: Option<String>,
     pub licence: Option<String>,
     pub origin: Option<String>,
-    /// What its labels count as, where not as themselves.
+    /// Labels that count as others: own label → label of the scene.
     #[serde(default)]
     pub class_map: BTreeMap<String, String>,
-    /// Where it is started: the manifest's folder.
+    /// Folder that it is started in: the manifest's.
     #[serde(skip)]
     pub folder: Option<PathBuf>,
 }
@@ -81,7 +81,7 @@ impl ProgramSpec {
         self.command.join(" ")
     }
 
-    /// How the first word is started, where it is a file that does not start by itself.
+    /// Returns how the first word is started, where it is a file that does not start by itself.
     pub(super) fn instead(&self) -> String {
         let Some(file) = self.command.first().filter(|word| self.seen(Path::new(word)).is_file()) else {
             return String::new();

@@ -1,4 +1,4 @@
-//! What of a head follows from a network's numbers: whether boxes are pixels or shares, and in which order their sides come.
+//! Details of a head that follow from a network's numbers: whether boxes are pixels or shares, and in which order their sides come.
 
 use crate::heads::{Data, Pair, Tensor, ssd};
 use crate::manifest::{SsdBoxes, Unit};
@@ -6,7 +6,7 @@ use crate::manifest::{SsdBoxes, Unit};
 /// Shares of an image's side; boxes may reach beyond it.
 pub(super) const SHARES: std::ops::RangeInclusive<f32> = -1.5..=2.5;
 
-/// Whether some centres and sizes are pixels or shares.
+/// Returns whether some centres and sizes are pixels or shares.
 pub(super) fn unit(mut values: impl Iterator<Item = f32>) -> Unit {
     if values.all(|v| SHARES.contains(&v)) {
         Unit::Shares
@@ -15,7 +15,7 @@ pub(super) fn unit(mut values: impl Iterator<Item = f32>) -> Unit {
     }
 }
 
-/// What the boxes beside some scores are; `None` where they are neither decoded nor offsets from prior boxes that are known.
+/// Returns what the boxes beside some scores are; `None` where they are neither decoded nor offsets from prior boxes that are known.
 pub(super) fn ssd_boxes(outputs: &[Tensor], pair: Pair, size: [u32; 2]) -> Option<SsdBoxes> {
     let boxes = outputs[pair.boxes].floats()?.as_chunks::<4>().0;
     let is_decoded = |[a, b, c, d]: &[f32; 4]| c >= a && d >= b;

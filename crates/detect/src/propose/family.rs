@@ -65,7 +65,7 @@ pub enum Family {
     Torchvision,
 }
 
-/// What `families.toml` says of a family.
+/// The entry of a family in `families.toml`.
 #[derive(Deserialize)]
 struct FamilyEntry {
     name: String,
@@ -109,7 +109,7 @@ impl Family {
         self.entry().map_or("", |entry| &entry.title)
     }
 
-    /// How the family's own programs prepare a photo, for a network that takes images of `size_px`, or of any size.
+    /// Returns how the family's own programs prepare a photo, for a network that takes images of `size_px`, or of any size.
     pub(super) fn usual_input(self, size_px: Option<[u32; 2]>) -> Result<Input, Message> {
         let mut usual = self.entry()?.input.clone();
         usual.size_px = size_px.unwrap_or_default();

@@ -1,4 +1,4 @@
-//! What an ONNX file says of its inputs, and what the network answers to a grey image and to one of noise.
+//! Inspection of an ONNX file: its inputs, and its outputs for a grey image and for noise.
 
 use std::path::Path;
 use std::time::Duration;
@@ -24,7 +24,7 @@ pub(super) struct Inspected {
     /// The outputs for a grey image and for noise.
     pub answers: [Vec<Tensor>; 2],
     pub inputs: String,
-    /// What the file says besides.
+    /// Contents of the file.
     pub file: OnnxFile,
 }
 
@@ -70,7 +70,7 @@ pub(super) fn inspect(
         ..Input::unchanged(layout, values)
     };
     let placement = InputPlacement::new(&input, size_px[0], size_px[1]);
-    let mut answer = |image: RgbImage| {
+    let mut answer = |image: RgbImage| -> Result<Vec<Tensor>, ProposeError> {
         let takes_size = takes.takes_photo_size;
         let outputs = runtime::run(&mut session, &input, takes_size, &image, &placement, time_limit);
         outputs.map_err(|e| match e {
@@ -79,10 +79,7 @@ pub(super) fn inspect(
                 let fault = message!("an image of {width}×{height} pixels could not be run ({reason})");
                 fault.hint("name the input's size by ‹size›").into()
             }
-            NoAnswer::TooLong => ProposeError::Detect(DetectError::TooLong {
-                detector: path.display().to_string(),
-                seconds: time_limit.as_secs_f64(),
-            }),
+            NoAnswer::TooLong => DetectError::too_long(&path.display(), time_limit).into(),
         })
     };
     let grey = RgbImage::from_pixel(size_px[0], size_px[1], Rgb([114; 3]));

@@ -1,4 +1,4 @@
-//! What Ultralytics' exporter writes into an ONNX file beside the network: `names`, `imgsz`, `task`, `license`. Source: the
+//! Metadata that Ultralytics' exporter writes into an ONNX file beside the network: `names`, `imgsz`, `task`, `license`. Source: the
 //! Ultralytics documentation of its export mode.
 
 use ort::session::Session;

@@ -1,4 +1,4 @@
-//! From an ONNX file alone to a manifest: which family its outputs are of, and what no file says.
+//! Manifests proposed for ONNX files: the family of the outputs, and what no file says.
 
 mod details; // units and orders of boxes, by their numbers
 mod error;
@@ -28,7 +28,7 @@ use recognise::FamilyCandidate;
 use scaleproof_core::files;
 use scaleproof_core::message::{Message, bail, message};
 
-/// What the user knows and the file may not say.
+/// Settings that a user knows and the file may not say.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Hints {
     pub family: Option<Family>,
@@ -48,7 +48,7 @@ pub struct Proposal {
     pub manifest: Manifest,
     /// The manifest as TOML.
     pub text: String,
-    /// What was read from the file and what was not, as sentences.
+    /// Notes on what was read from the file and what was not.
     pub notes: Vec<Message>,
 }
 
@@ -125,7 +125,7 @@ pub fn propose(
     let text = manifest.to_toml()?;
     for outputs in &network.answers {
         heads::candidates(&manifest, outputs, network.size_px).map_err(|e| match e {
-            HeadError::NotFinite { what } => not_a_number(&what),
+            HeadError::NotFinite(what) => not_a_number(&what),
             e => message!("the network's outputs cannot be read as {}: {e}", family.title()),
         })?;
     }
@@ -137,7 +137,7 @@ pub fn propose(
     })
 }
 
-/// What its preprocessor says, and else the family's usual way, for what this network takes; and which settings the preprocessor says.
+/// Returns the input as its preprocessor says, and else the family's usual one, for what this network takes; and which settings the preprocessor says.
 fn input(
     network: &Inspected,
     family: Family,
@@ -373,7 +373,7 @@ fn notes(
     notes
 }
 
-/// What of a manifest no file says, as far as this one has it.
+/// Returns what of a manifest no file says, as far as this one has it.
 fn usual_settings(manifest: &Manifest, said: &[&str]) -> String {
     let (input, head) = (&manifest.input, &manifest.head);
     let is_resized = input.resize != Resize::Original;

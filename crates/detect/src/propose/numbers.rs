@@ -1,4 +1,4 @@
-//! Whether a network's numbers can be those of a family whose shapes it has: scores, logits, pixels, shares.
+//! Tests whether a network's numbers can be those of a family whose shapes it has: scores, logits, pixels, shares.
 
 use super::details::{self, columns, floats, listed_boxes, table};
 use super::family::Family;
@@ -81,7 +81,7 @@ pub(super) fn against(candidate: &FamilyCandidate, network: &Inspected) -> Optio
     })
 }
 
-/// Whether the scores of an EfficientDet are logits; exports may give its features beside them.
+/// Returns whether the scores of an EfficientDet are logits; exports may give its features beside them.
 pub(super) fn scores(network: &Inspected) -> Scores {
     let rows = efficientdet::count(network.size_px);
     let is_scores = |t: &&Tensor| matches!(t.shape[..], [1, n, columns] if n == rows && columns != 4);
@@ -102,7 +102,7 @@ fn scores_by(are_logits: bool) -> Scores {
     }
 }
 
-/// Whether the scores beside some boxes are logits.
+/// Returns whether the scores beside some boxes are logits.
 pub(super) fn pair_scores(network: &Inspected, labels: Option<usize>) -> Scores {
     let of = |outputs: &[Tensor]| {
         let pair = Pair::find(outputs, |columns| Some(columns) == labels)?;

@@ -12,7 +12,7 @@ use scaleproof_core::message::{Message, message};
 
 const NAME: &str = "preprocessor_config.json";
 
-/// What of the file a manifest can use; a key that is absent leaves the family's usual.
+/// The settings of the file that a manifest can use; a key that is absent leaves the family's usual.
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct Preprocessor {
     image_processor_type: Option<String>,
@@ -26,7 +26,7 @@ pub(super) struct Preprocessor {
     image_std: Option<[f64; 3]>,
 }
 
-/// How Pillow numbers its bilinear filter.
+/// Pillow's number of its bilinear filter.
 const BILINEAR: u32 = 2;
 
 /// A network's usual input, changed to what the bytes of a `preprocessor_config.json` say; `is_open` where the network takes photos of any size.

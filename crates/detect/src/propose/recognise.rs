@@ -1,4 +1,4 @@
-//! Which families a network's outputs could be of, by their shapes and names.
+//! The families that a network's outputs could be of, by their shapes and names.
 
 use super::details::{floats, listed_boxes};
 use super::family::Family;
@@ -9,9 +9,9 @@ use crate::manifest::Layout;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FamilyCandidate {
     pub family: Family,
-    /// How many labels the shapes have room for; `None` where they do not say.
+    /// Number of labels that the shapes have room for; `None` where they do not say.
     pub labels: Option<usize>,
-    /// Of the families whose manifests name them.
+    /// Strides, of the families whose manifests name them.
     pub strides: Vec<u32>,
 }
 
@@ -162,7 +162,7 @@ fn by_distances(network: &Inspected) -> Vec<FamilyCandidate> {
     }
 }
 
-/// How many labels outputs have room for that are grids at these strides, all of as many; `room` is that of a shape for a grid of some
+/// Returns how many labels outputs have room for that are grids at these strides, all of as many; `room` is that of a shape for a grid of some
 /// columns and rows.
 fn labels_of_grids(
     outputs: &[Tensor],
@@ -276,7 +276,7 @@ fn one_table(table: &Tensor, network: &Inspected) -> Vec<FamilyCandidate> {
     found
 }
 
-/// What outputs the families would have for an input of this size, as a clause.
+/// Returns what outputs the families would have for an input of this size, as a clause.
 pub(super) fn needs(size: [u32; 2]) -> String {
     let rows = |strides: &[&[u32]], times: usize| {
         let all = strides.iter().map(|s| (times * cells(size, s)).to_string());

@@ -9,7 +9,7 @@ pub enum Activation {
     Sigmoid,
     /// x·σ(x).
     Silu,
-    /// So many times x below 0.
+    /// Multiplies x below 0 by this slope.
     LeakyRelu(f64),
 }
 

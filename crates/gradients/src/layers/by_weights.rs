@@ -8,7 +8,7 @@ use super::windows::{Weights, Windows};
 /// The derivatives by weights and biases are added to the sums of its second and third input.
 pub(super) struct LearntConvolution {
     convolution: Convolution<f32>,
-    /// Whether the derivative by the image is asked for, too.
+    /// True where the derivative by the image is asked for, too.
     by_image: bool,
 }
 

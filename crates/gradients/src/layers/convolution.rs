@@ -16,7 +16,7 @@ pub fn convolution<T: Number>(windows: Windows, weights: Weights<T>) -> Box<dyn 
     }
 }
 
-/// So many numbers of windows are laid out at a time: they stay in the second cache.
+/// Numbers of windows that are laid out at a time: they stay in the second cache.
 const LAID_OUT: usize = 1 << 16;
 
 pub(super) struct Convolution<T> {
@@ -44,7 +44,7 @@ impl<T: Number> Convolution<T> {
         self.group_channels() * self.windows.taps()
     }
 
-    /// Whether the image already is what the weights are multiplied with.
+    /// Returns whether the image already is what the weights are multiplied with.
     fn is_pointwise(&self) -> bool {
         let w = &self.windows;
         w.taps() == 1 && w.stride == [1, 1] && w.before == [0, 0] && w.image == w.count

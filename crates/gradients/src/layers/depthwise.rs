@@ -20,7 +20,7 @@ struct Plane<'a> {
     rows: usize,
     /// Numbers of one phase of a row.
     width: usize,
-    /// Where the numbers of the first window of a row lie, counted from where the row begins.
+    /// Places of the numbers of a row's first window, counted from where the row begins.
     taps: Vec<usize>,
 }
 
@@ -105,7 +105,7 @@ impl<T: Number> Depthwise<T> {
     }
 }
 
-/// What is done with one channel, compiled for this processor's vectors. (A closure as large as this is not.)
+/// The work on one channel, compiled for this processor's vectors. (A closure as large as this is not.)
 struct Rows<'a, T> {
     plane: &'a Plane<'a>,
     taps: &'a [(usize, T)],

@@ -1,4 +1,4 @@
-//! What a layer is: a function of arrays with its backward pass.
+//! Layers: a layer is a function of arrays with its backward pass.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use super::number::Number;
 /// Numbers of a tensor, row-major.
 pub type Array<T = f32> = Arc<Vec<T>>;
 
-/// From the derivative by a layer's output to those by its inputs.
+/// A backward pass: from the derivative by a layer's output to those by its inputs.
 pub type Back<'a, T = f32> = Box<dyn FnOnce(Vec<T>, &mut Sums<T>) + 'a>;
 
 /// A function of arrays that is differentiated.
@@ -18,7 +18,7 @@ pub trait Layer<T: Number = f32>: Send + Sync {
 
 /// The sums of derivatives that a layer adds to: those by its inputs.
 pub struct Sums<'a, T = f32> {
-    /// Of every slot of the network.
+    /// Sum of every slot of the network, where there is one.
     pub all: &'a mut [Option<Vec<T>>],
     pub slots: &'a [usize],
 }

@@ -9,7 +9,7 @@ use super::convolution::convolution;
 use super::tape::{Recorded, Slot, Tape, backward, last_uses, taken};
 use super::{Activation, Array, Back, Layer, Moved, Operation, Pairwise, Sums, Weights, Windows, owned, vectorised};
 
-/// What derivatives are by.
+/// The variables of derivatives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum By {
     /// Weights and biases of every convolution.

@@ -1,18 +1,18 @@
-//! What is made of all numbers along an axis: sums, means, the largest, softmax.
+//! Reductions along an axis: sums, means, the largest, softmax.
 
 use std::sync::Arc;
 
 use super::{Array, Back, Layer, Number, Sums, owned};
 
-/// So many partial sums are added up at a time.
+/// Partial sums that are added up at a time.
 const LANES: usize = 16;
 
-/// Where the numbers along an axis lie.
+/// The lines of numbers along an axis.
 #[derive(Debug, Clone, Copy)]
 pub struct Lines {
     /// Numbers of a line.
     pub side: usize,
-    /// From one number of a line to the next; so many lines lie in between.
+    /// Step from one number of a line to the next; so many lines lie in between.
     pub step: usize,
 }
 

@@ -77,7 +77,7 @@ pub struct Product<T = f32> {
     pub pairs: Vec<[usize; 2]>,
     /// The rows of the first, the columns of the second, and the columns of the first.
     pub sides: [usize; 3],
-    /// Whether a stack's matrices are stored turned.
+    /// True for stacks whose matrices are stored transposed.
     pub turned: [bool; 2],
 }
 

@@ -47,7 +47,7 @@ impl Moved {
         Moved { inputs, runs, count }
     }
 
-    /// Whether the output is the only input.
+    /// Returns whether the output is the only input.
     fn is_same(&self) -> bool {
         matches!(self.runs[..], [Run { from: 0, step: 1, count, .. }] if self.inputs == [count])
     }

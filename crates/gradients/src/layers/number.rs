@@ -1,4 +1,4 @@
-//! What layers compute with: numbers of 32 bits, or of 64 to see what rounding does.
+//! The numbers that layers compute with: numbers of 32 bits, or of 64 to see what rounding does.
 
 use std::fmt::Debug;
 use std::iter::Sum;

@@ -52,7 +52,7 @@ impl Operation {
         }
     }
 
-    /// From the derivative by the result to that by the first array or by the second.
+    /// Returns the derivative by the first array or by the second from that by the result.
     fn derivative<T: Number>(self, by_second: bool, g: Vec<T>, arrays: &[Array<T>; 2]) -> Vec<T> {
         let [a, b] = arrays;
         match (self, by_second) {
@@ -71,7 +71,7 @@ impl Operation {
 }
 
 impl<T: Number> Pairwise<T> {
-    /// Of two arrays.
+    /// Creates one of two arrays.
     pub fn new(operation: Operation) -> Self {
         let constants = [None, None];
         Pairwise { operation, constants }

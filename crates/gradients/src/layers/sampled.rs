@@ -12,13 +12,13 @@ pub struct Sampled {
     pub image: [usize; 2],
     /// Places looked at in each image, each written as x and y: −1 and 1 are the borders.
     pub places: usize,
-    /// Whether these are the middles of the outermost pixels and not their outer edges.
+    /// True where these are the middles of the outermost pixels and not their outer edges.
     pub aligns_corners: bool,
-    /// Whether the border goes on outside, where otherwise everything is 0.
+    /// True where the border goes on outside, where otherwise everything is 0.
     pub clamps: bool,
 }
 
-/// Where between the pixels of a plane a place lies: of the pixel left above it and of those on the right, below and right below, which one it is,
+/// A place between the pixels of a plane: of the pixel left above it and of those on the right, below and right below, which one it is,
 /// if it is in the image; and the place's distances from the first.
 struct Between<T> {
     pixels: [Option<usize>; 4],
@@ -34,7 +34,7 @@ impl<T: Number> Between<T> {
         [left * above, x * above, left * y, x * y]
     }
 
-    /// By how much each pixel's weight grows with the place, across and down.
+    /// Returns by how much each pixel's weight grows with the place, across and down.
     fn growths(&self) -> [[T; 2]; 4] {
         let [x, y] = self.shares;
         let (left, above) = (T::ONE - x, T::ONE - y);

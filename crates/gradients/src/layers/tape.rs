@@ -28,11 +28,11 @@ pub fn last_uses<'a>(
 }
 
 /// Takes what a slot holds where this is its last use, else another owner of it.
-pub fn taken<V: Clone + Default>(held: &mut [V], slot: Slot, last_uses: &BTreeSet<Slot>) -> V {
+pub fn taken<V: Clone + Default>(values: &mut [V], slot: Slot, last_uses: &BTreeSet<Slot>) -> V {
     if last_uses.contains(&slot) {
-        std::mem::take(&mut held[slot])
+        std::mem::take(&mut values[slot])
     } else {
-        held[slot].clone()
+        values[slot].clone()
     }
 }
 

@@ -6,7 +6,7 @@ use super::convolution::Convolution;
 use super::{Array, Back, Layer, Number, Sums, Weights, Windows};
 
 pub struct Transposed<T = f32> {
-    /// From the output to the input.
+    /// The convolution from the output to the input.
     convolution: Convolution<T>,
     biases: Weights<T>,
 }

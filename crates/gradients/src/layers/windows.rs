@@ -1,8 +1,8 @@
-//! Where windows lie on an image, and what the numbers in them are weighted with.
+//! Windows on an image, and the weights of the numbers in them.
 
 use super::Number;
 
-/// How windows lie on an image; rows first.
+/// Windows on an image; rows first.
 #[derive(Debug, Clone, Copy)]
 pub struct Windows {
     pub channels: usize,
@@ -29,7 +29,7 @@ impl Windows {
         self.kernel.iter().product()
     }
 
-    /// Where the number `tap` of window `at` lies along an axis, if it lies on the image.
+    /// Returns where the number `tap` of window `at` lies along an axis, if it lies on the image.
     pub fn place(&self, axis: usize, at: usize, tap: usize) -> Option<usize> {
         let place = (at * self.stride[axis] + tap * self.dilation[axis]).checked_sub(self.before[axis])?;
         (place < self.image[axis]).then_some(place)

@@ -38,7 +38,7 @@ fn on_fractions(operator: &str) -> Option<Operation> {
     })
 }
 
-/// Of fractions, in the shape that both broadcast to.
+/// Adds an operation on fractions, in the shape that both broadcast to.
 pub(super) fn of_two<T: Number>(
     graph: &mut Graph<T>,
     operation: Operation,

@@ -124,7 +124,7 @@ fn layer_norm<T: Number>(node: &Node, graph: &mut Graph<T>, inputs: &Inputs<T>) 
     }
 }
 
-/// As NumPy multiplies: a vector on the left is a row, one on the right a column, and its axis is gone afterwards.
+/// Multiplies as NumPy does: a vector on the left is a row, one on the right a column, and its axis is gone afterwards.
 fn matmul<T: Number>(graph: &mut Graph<T>, inputs: &Inputs<T>) -> Result<Term<T>> {
     let (a, b) = (inputs.floats(0)?, inputs.floats(1)?);
     let (is_row, is_column) = (a.shape.len() == 1, b.shape.len() == 1);

@@ -13,7 +13,7 @@ use scaleproof_detect::onnx_model::Node;
 /// No kernel, step or border of a detector is larger.
 const LARGEST: i64 = 1 << 16;
 
-/// How a window walks over an image; rows first.
+/// The settings of a sliding window; rows first.
 struct Window {
     kernel: [usize; 2],
     stride: [usize; 2],
@@ -72,7 +72,7 @@ impl Window {
         }
     }
 
-    /// How many windows there are along an axis of so many numbers.
+    /// Returns how many windows there are along an axis of so many numbers.
     fn count(&self, axis: usize, side: usize) -> Result<usize> {
         let [before, after] = self.padding[axis];
         let rest = (side + before + after).checked_sub(self.reach(axis));
@@ -94,7 +94,7 @@ impl Window {
         Ok(self.on(channels, image, count))
     }
 
-    /// So many windows on an image.
+    /// Lays so many windows on an image.
     fn on(&self, channels: usize, image: [usize; 2], count: [usize; 2]) -> Windows {
         Windows {
             channels,
@@ -222,7 +222,7 @@ fn pool<T: Number>(
     }
 }
 
-/// Of each channel one number.
+/// Reduces each channel to one number.
 fn global<T: Number>(graph: &mut Graph<T>, inputs: &Inputs<T>, summary: Summary) -> Result<Term<T>> {
     let (x, [images, channels, rows, columns]) = inputs.planes(0)?;
     let channels_in_line = x.shaped(vec![images, channels, rows * columns, 1])?;

@@ -10,12 +10,12 @@ use super::term::{Kind, Numbers, Result, Term};
 use crate::layers::{Activation, Each, Layer, Number, Operation, sigmoid};
 use scaleproof_detect::onnx_model::Node;
 
-/// Of a function that answers with its value and its slope, in the numbers of the layer.
+/// Creates the operator of a function that returns its value and its slope, in the numbers of the layer.
 fn each<'a, T: Number>(f: impl Fn(T) -> (T, T) + Clone + Send + Sync + 'static) -> Option<Operator<'a, T>> {
     of_layer(move || Each(f.clone()))
 }
 
-/// Of a function that answers with its value and its slope, in 64 bits.
+/// Creates the operator of a function that returns its value and its slope, in 64 bits.
 fn wide<'a, T: Number>(f: impl Fn(f64) -> (f64, f64) + Clone + Send + Sync + 'static) -> Option<Operator<'a, T>> {
     each(move |x: T| {
         let (y, slope) = f(x.wide());

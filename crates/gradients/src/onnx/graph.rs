@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::run::{Places, Step, ToWhole, Work};
-use super::term::{Held, Kind, Numbers, Result, Term, bounded, too_large};
+use super::term::{Kind, Numbers, Result, Term, Value, bounded, too_large};
 use crate::layers::tape::Slot;
 use crate::layers::{Layer, Moved, Number};
 
@@ -14,7 +14,7 @@ pub(super) struct Graph<T> {
     pub steps: Vec<Step<T>>,
     /// Those that steps read.
     pub constants: Vec<(Slot, Numbers<T>)>,
-    /// How many numbers each slot holds.
+    /// Count of numbers in each slot.
     pub counts: Vec<usize>,
     /// The node that is being read.
     pub node: Arc<str>,
@@ -22,7 +22,7 @@ pub(super) struct Graph<T> {
 }
 
 impl<T: Number> Graph<T> {
-    /// With the image's slot alone.
+    /// Creates one with the image's slot alone.
     pub(super) fn new(image: usize) -> Graph<T> {
         Graph {
             steps: Vec::new(),
@@ -69,7 +69,7 @@ impl<T: Number> Graph<T> {
         self.work(Work::Whole(work), inputs, shape)
     }
 
-    /// What some work makes of terms: a constant, or a new slot.
+    /// Adds some work on terms, whose result is a constant or a new slot.
     pub(super) fn work(&mut self, work: Work<T>, inputs: &[&Term<T>], shape: Vec<usize>) -> Result<Term<T>> {
         let count = bounded(shape.iter().copied())?;
         let has_all = count > 0 && inputs.iter().all(|input| input.count() > 0);
@@ -78,11 +78,11 @@ impl<T: Number> Graph<T> {
         }
         self.keep(count)?;
         let constants: Option<Vec<Numbers<T>>> = inputs.iter().map(|input| input.constant().cloned()).collect();
-        let held = match constants {
-            Some(constants) => Held::Constant(work.run(constants, false)?.0),
+        let value = match constants {
+            Some(constants) => Value::Constant(work.run(constants, false)?.0),
             None => self.step(work, inputs, count),
         };
-        Ok(Term { shape, held })
+        Ok(Term { shape, value })
     }
 
     fn keep(&mut self, count: usize) -> Result<()> {
@@ -97,7 +97,7 @@ impl<T: Number> Graph<T> {
         Ok(constant)
     }
 
-    fn step(&mut self, work: Work<T>, inputs: &[&Term<T>], count: usize) -> Held<T> {
+    fn step(&mut self, work: Work<T>, inputs: &[&Term<T>], count: usize) -> Value<T> {
         let is_followed = inputs.iter().any(|input| input.kind() == Kind::Followed);
         let is_whole = inputs.first().is_some_and(|input| input.is_whole());
         let kind = match work {
@@ -115,13 +115,13 @@ impl<T: Number> Graph<T> {
             output,
             is_followed: kind == Kind::Followed,
         });
-        Held::Image(output, kind)
+        Value::Image(output, kind)
     }
 
     fn slot_of(&mut self, term: &Term<T>) -> Slot {
-        match &term.held {
-            Held::Image(slot, _) => *slot,
-            Held::Constant(numbers) => {
+        match &term.value {
+            Value::Image(slot, _) => *slot,
+            Value::Constant(numbers) => {
                 let slot = self.new_slot(numbers.count());
                 self.constants.push((slot, numbers.clone()));
                 slot

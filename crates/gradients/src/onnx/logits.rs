@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use super::graph::Graph;
 use super::run::{Step, Work};
-use super::term::{Held, Term};
+use super::term::{Term, Value};
 use crate::layers::tape::Slot;
 use crate::layers::{Moved, Number};
 
@@ -33,15 +33,15 @@ pub(super) fn expose_logits<T: Number>(graph: &mut Graph<T>, outputs: &mut [Term
         graph.steps.push(step);
         graph.steps.extend(twin);
     }
-    let masks = outputs.iter_mut().map(|output| match &mut output.held {
-        Held::Image(slot, _) => {
+    let masks = outputs.iter_mut().map(|output| match &mut output.value {
+        Value::Image(slot, _) => {
             twins.redirect(std::slice::from_mut(slot));
             let twin = twins.known.get(slot).cloned();
             let (twin, mask) = twin.unwrap_or((*slot, Vec::new()));
             *slot = twin;
             mask
         }
-        Held::Constant(_) => Vec::new(),
+        Value::Constant(_) => Vec::new(),
     });
     masks.collect()
 }

@@ -22,7 +22,7 @@ mod view; // tensors turned, cut or repeated
 use crate::layers::tape::Tape;
 use run::Plan;
 use scaleproof_detect::onnx_model::Model;
-use term::{Held, NEVER_COMPUTED, Numbers, Term};
+use term::{NEVER_COMPUTED, Numbers, Term, Value};
 
 use crate::WhiteBoxError;
 use crate::layers::Number;
@@ -48,7 +48,7 @@ struct NamedOutput<T> {
 pub struct Output {
     pub name: String,
     pub shape: Vec<usize>,
-    /// Where [`Output::is_logit`] says so, the logit of the sigmoid that the file ends in.
+    /// Numbers; where [`Output::is_logit`] says so, logits of the sigmoid that the file ends in.
     pub raw: Vec<f32>,
     pub is_logit: Vec<bool>,
     pub is_whole: bool,
@@ -123,11 +123,11 @@ impl<T: Number> OnnxNetwork<T> {
             return Err(failed(message!("it takes {count} numbers and gets {found}")).into());
         }
         let image = image.into_iter().map(|v| T::of(v.into())).collect();
-        let (held, tape) = self.plan.run(image, keeps_way).map_err(failed)?;
+        let (values, tape) = self.plan.run(image, keeps_way).map_err(failed)?;
         let output = |output: &NamedOutput<T>| -> Result<Output, Message> {
-            let numbers = match &output.term.held {
-                Held::Constant(numbers) => Some(numbers),
-                Held::Image(slot, _) => held[*slot].as_ref(),
+            let numbers = match &output.term.value {
+                Value::Constant(numbers) => Some(numbers),
+                Value::Image(slot, _) => values[*slot].as_ref(),
             };
             let numbers = numbers.ok_or_else(|| failed(NEVER_COMPUTED.into()))?;
             Ok(Output::new(output, numbers))

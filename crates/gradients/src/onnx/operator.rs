@@ -1,4 +1,4 @@
-//! What operators are given, and what they answer with. One file per group of operators makes them.
+//! Inputs and outputs of operators. One file per group of operators makes them.
 
 use super::graph::Graph;
 use super::term::{Numbers, Result, Term};
@@ -6,7 +6,7 @@ use crate::layers::Number;
 use scaleproof_core::message::{Message, message};
 use scaleproof_detect::onnx_model::Node;
 
-/// What an operator says whose settings are computed from the image.
+/// Refusal of an operator whose settings are computed from the image.
 const NOT_KNOWN: &str = "what it is to do depends on what is in the image";
 
 pub(super) fn missing(input: usize) -> Message {
@@ -34,7 +34,7 @@ pub(super) fn one<'a, T: 'a>(
 pub(super) struct Inputs<T>(pub Vec<Option<Term<T>>>);
 
 impl<T: Number> Inputs<T> {
-    /// How many there are, those left out at the end not counted.
+    /// Counts them without those left out at the end.
     pub(super) fn count(&self) -> usize {
         self.0.iter().rposition(Option::is_some).map_or(0, |last| last + 1)
     }

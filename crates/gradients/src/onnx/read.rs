@@ -1,10 +1,10 @@
-//! From an ONNX file to steps.
+//! Nodes of an ONNX file as steps.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::graph::Graph;
 use super::operator::{Inputs, Operator};
-use super::term::{Held, IMAGE, Kind, NEVER_COMPUTED, Result, Term};
+use super::term::{IMAGE, Kind, NEVER_COMPUTED, Result, Term, Value};
 use super::{arithmetic, choice, combine, convolution, elementwise, rearrange, resize, shapes};
 use crate::layers::Number;
 use scaleproof_core::message::message;
@@ -46,16 +46,16 @@ pub(super) fn graph<T: Number>(
     shape: &[usize],
     photo_size: Option<[u32; 2]>,
 ) -> Result<(Graph<T>, Vec<Term<T>>)> {
-    let (shape, held) = (shape.to_vec(), Held::Image(IMAGE, Kind::Followed));
+    let (shape, value) = (shape.to_vec(), Value::Image(IMAGE, Kind::Followed));
     let mut graph = Graph::new(shape.iter().product());
     let mut terms: BTreeMap<&str, Term<T>> = BTreeMap::new();
     for (name, tensor) in &model.constants {
         terms.insert(name, graph.kept(Term::of_file(tensor))?);
     }
     match (&model.inputs[..], photo_size) {
-        ([image], _) => _ = terms.insert(image, Term { shape, held }),
+        ([image], _) => _ = terms.insert(image, Term { shape, value }),
         ([image, size], Some(photo_size)) => {
-            terms.insert(image, Term { shape, held });
+            terms.insert(image, Term { shape, value });
             terms.insert(size, Term::whole(vec![1, 2], photo_size.map(i64::from).to_vec()));
         }
         (more, _) => return Err(message!("it takes {} inputs and gets 1", more.len())),

@@ -14,7 +14,7 @@ struct Resize<'a> {
     is_linear: bool,
     coordinates: &'a str,
     nearest: &'a str,
-    /// Which inputs hold the scales and the sizes.
+    /// Indices of the inputs with the scales and the sizes.
     inputs: [usize; 2],
 }
 
@@ -66,7 +66,7 @@ impl<'a> Resize<'a> {
         }
     }
 
-    /// Which old index a new one looks at (ONNX: Resize, coordinate_transformation_mode).
+    /// Returns which old index a new one looks at (ONNX: Resize, coordinate_transformation_mode).
     fn source(&self, at: usize, scale: f32, old: usize, new: usize) -> f32 {
         let at = at as f32;
         match self.coordinates {
@@ -134,7 +134,7 @@ fn pairs(pads: &[i64], axes: &[usize], rank: usize) -> Result<Vec<[usize; 2]>> {
     Ok(pairs)
 }
 
-/// Which number along an axis of so many stands at a place that may lie beyond; `None` for a border of its own.
+/// Returns which number along an axis of so many stands at a place that may lie beyond; `None` for a border of its own.
 fn inside(at: i64, side: i64, mode: &str) -> Option<i64> {
     match mode {
         "edge" => Some(at.clamp(0, side - 1)),

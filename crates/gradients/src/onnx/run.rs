@@ -8,7 +8,7 @@ use crate::layers::tape::{Recorded, Slot, Tape, backward, last_uses, taken};
 use crate::layers::{Activation, Back, Layer, Moved, Number, Sums};
 use scaleproof_core::message::message;
 
-/// Where in a tensor computed indices point.
+/// Turns computed indices into places in a tensor.
 pub(super) type Places = dyn Fn(&[i64]) -> Result<Vec<usize>> + Send + Sync;
 pub(super) type ToWhole<T> = dyn Fn(&[Numbers<T>]) -> Result<Vec<i64>> + Send + Sync;
 
@@ -27,10 +27,10 @@ pub(super) enum Work<T> {
 }
 
 /// The numbers of the output, and the backward pass where a gradient passes.
-type Answer<'a, T> = (Numbers<T>, Option<Back<'a, T>>);
+type Computed<'a, T> = (Numbers<T>, Option<Back<'a, T>>);
 
 impl<T: Number> Work<T> {
-    pub(super) fn run(&self, inputs: Vec<Numbers<T>>, keeps: bool) -> Result<Answer<'_, T>> {
+    pub(super) fn run(&self, inputs: Vec<Numbers<T>>, keeps: bool) -> Result<Computed<'_, T>> {
         let layer: &dyn Layer<T> = match self {
             Work::Layer(layer) => layer.as_ref(),
             Work::Sigmoid => &Activation::Sigmoid,
@@ -55,7 +55,7 @@ impl<T: Number> Work<T> {
     }
 }
 
-fn picked<'a, T: Number>(inputs: Vec<Numbers<T>>, places: &Places, keeps: bool) -> Result<Answer<'a, T>> {
+fn picked<'a, T: Number>(inputs: Vec<Numbers<T>>, places: &Places, keeps: bool) -> Result<Computed<'a, T>> {
     let [numbers, indices] = <[_; 2]>::try_from(inputs).map_err(|_| NEVER_COMPUTED)?;
     let places = places(indices.whole()?)?;
     Ok(match numbers {
@@ -80,12 +80,12 @@ pub(super) struct Step<T> {
     pub work: Work<T>,
     pub inputs: Vec<Slot>,
     pub output: Slot,
-    /// Whether a gradient passes.
+    /// True where a gradient passes.
     pub is_followed: bool,
 }
 
-/// What each slot holds that is asked for, and the tape.
-type Ran<'a, T> = (Vec<Option<Numbers<T>>>, Tape<'a, T>);
+/// Numbers of the slots that are asked for, and the tape.
+type RunState<'a, T> = (Vec<Option<Numbers<T>>>, Tape<'a, T>);
 
 pub(super) struct Plan<T> {
     steps: Vec<Step<T>>,
@@ -96,7 +96,7 @@ pub(super) struct Plan<T> {
 }
 
 impl<T: Number> Plan<T> {
-    /// Of some steps in their order, those that an output follows from. `read`: the slots of the outputs.
+    /// Keeps those of some steps, in their order, that an output follows from. `read`: the slots of the outputs.
     pub(super) fn new(
         mut steps: Vec<Step<T>>,
         mut constants: Vec<(Slot, Numbers<T>)>,
@@ -125,29 +125,29 @@ impl<T: Number> Plan<T> {
     }
 
     /// For an image; the tape is empty unless it `keeps` the backward passes.
-    pub(super) fn run(&self, image: Vec<T>, keeps: bool) -> Result<Ran<'_, T>> {
-        let mut held: Vec<Option<Numbers<T>>> = vec![None; self.slots];
+    pub(super) fn run(&self, image: Vec<T>, keeps: bool) -> Result<RunState<'_, T>> {
+        let mut values: Vec<Option<Numbers<T>>> = vec![None; self.slots];
         for (slot, constant) in &self.constants {
-            held[*slot] = Some(constant.clone());
+            values[*slot] = Some(constant.clone());
         }
-        held[IMAGE] = Some(Numbers::Floats(Arc::new(image)));
+        values[IMAGE] = Some(Numbers::Floats(Arc::new(image)));
         let mut tape = Vec::new();
         for (step, last_uses) in self.steps.iter().zip(&self.last_uses) {
             let inputs = step.inputs.iter();
-            let inputs = inputs.map(|slot| taken(&mut held, *slot, last_uses).ok_or(NEVER_COMPUTED.into()));
+            let inputs = inputs.map(|slot| taken(&mut values, *slot, last_uses).ok_or(NEVER_COMPUTED.into()));
             let inputs = inputs.collect::<Result<_>>()?;
             let (output, back) = step
                 .work
                 .run(inputs, keeps && step.is_followed)
                 .map_err(|fault| message!("at {}: {fault}", step.node))?;
-            held[step.output] = Some(output);
+            values[step.output] = Some(output);
             let (output, slots) = (step.output, &step.inputs[..]);
             tape.extend(back.map(|back| Recorded { output, slots, back }));
         }
-        Ok((held, tape))
+        Ok((values, tape))
     }
 
-    /// From the derivatives by some slots to that by the image; `None` where nothing comes back.
+    /// Returns the derivative by the image from those by some slots; `None` where nothing comes back.
     pub(super) fn back(&self, tape: Tape<T>, derivatives: impl Iterator<Item = (Slot, Vec<T>)>) -> Option<Vec<T>> {
         backward(tape, self.slots, derivatives)[IMAGE].take()
     }

@@ -1,4 +1,4 @@
-//! What flows along the edges of a network while it is read: numbers, and what will follow from an image.
+//! The tensors of a network while it is read: numbers, and what will follow from an image.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use crate::layers::{Array, Number};
 use scaleproof_core::message::{Message, message};
 use scaleproof_detect::onnx_model;
 
-/// Where the image's numbers are.
+/// Slot of the image's numbers.
 pub(super) const IMAGE: Slot = 0;
 
 pub(super) type Result<T> = std::result::Result<T, Message>;
@@ -22,11 +22,11 @@ pub(super) enum Numbers<T> {
 #[derive(Debug, Clone)]
 pub(super) struct Term<T> {
     pub shape: Vec<usize>,
-    pub held: Held<T>,
+    pub value: Value<T>,
 }
 
 #[derive(Debug, Clone)]
-pub(super) enum Held<T> {
+pub(super) enum Value<T> {
     Constant(Numbers<T>),
     /// Follows from the image.
     Image(Slot, Kind),
@@ -68,13 +68,13 @@ pub(super) const NEVER_COMPUTED: &str = "a value is never computed";
 
 impl<T: Number> Term<T> {
     pub(super) fn floats(shape: Vec<usize>, numbers: Vec<T>) -> Term<T> {
-        let held = Held::Constant(Numbers::Floats(Arc::new(numbers)));
-        Term { shape, held }
+        let value = Value::Constant(Numbers::Floats(Arc::new(numbers)));
+        Term { shape, value }
     }
 
     pub(super) fn whole(shape: Vec<usize>, numbers: Vec<i64>) -> Term<T> {
-        let held = Held::Constant(Numbers::Whole(Arc::new(numbers)));
-        Term { shape, held }
+        let value = Value::Constant(Numbers::Whole(Arc::new(numbers)));
+        Term { shape, value }
     }
 
     /// A single fraction.
@@ -95,8 +95,8 @@ impl<T: Number> Term<T> {
         if bounded(shape.iter().copied())? != self.count() {
             return Err(message!("a tensor {:?} cannot become {shape:?}", self.shape));
         }
-        let held = self.held.clone();
-        Ok(Term { shape, held })
+        let value = self.value.clone();
+        Ok(Term { shape, value })
     }
 
     pub(super) fn count(&self) -> usize {
@@ -104,9 +104,9 @@ impl<T: Number> Term<T> {
     }
 
     pub(super) fn constant(&self) -> Option<&Numbers<T>> {
-        match &self.held {
-            Held::Constant(numbers) => Some(numbers),
-            Held::Image(..) => None,
+        match &self.value {
+            Value::Constant(numbers) => Some(numbers),
+            Value::Image(..) => None,
         }
     }
 
@@ -118,17 +118,17 @@ impl<T: Number> Term<T> {
     }
 
     pub(super) fn slot(&self) -> Option<Slot> {
-        match self.held {
-            Held::Constant(_) => None,
-            Held::Image(slot, _) => Some(slot),
+        match self.value {
+            Value::Constant(_) => None,
+            Value::Image(slot, _) => Some(slot),
         }
     }
 
     pub(super) fn kind(&self) -> Kind {
-        match self.held {
-            Held::Constant(Numbers::Floats(_)) => Kind::Free,
-            Held::Constant(Numbers::Whole(_)) => Kind::Whole,
-            Held::Image(_, kind) => kind,
+        match self.value {
+            Value::Constant(Numbers::Floats(_)) => Kind::Free,
+            Value::Constant(Numbers::Whole(_)) => Kind::Whole,
+            Value::Image(_, kind) => kind,
         }
     }
 
@@ -140,7 +140,7 @@ impl<T: Number> Term<T> {
 /// A larger tensor is no part of a detector: it is refused before it takes memory, which would end the program.
 const MOST_NUMBERS: usize = 1 << 28;
 
-/// How many numbers a tensor of these sides has. A side of 0 makes the others no larger.
+/// Counts the numbers of a tensor of these sides, and refuses too many. A side of 0 makes the others no larger.
 pub(super) fn bounded(sides: impl IntoIterator<Item = usize>) -> Result<usize> {
     let (mut count, mut is_empty) = (1_usize, false);
     for side in sides {

@@ -1,4 +1,4 @@
-//! Which number of a tensor stands where after it was turned, cut or repeated.
+//! Indices of a tensor's numbers after it was turned, cut or repeated.
 
 use super::graph::Graph;
 use super::term::{Result, Term, bounded, broadcast};
@@ -11,7 +11,7 @@ pub(super) struct View {
     pub at: Vec<usize>,
 }
 
-/// From one index along each axis to the next.
+/// Returns the steps from one index along each axis to the next.
 fn steps_of(shape: &[usize]) -> Vec<usize> {
     let mut steps = vec![1; shape.len()];
     for i in (1..shape.len()).rev() {
@@ -29,7 +29,7 @@ impl View {
         }
     }
 
-    /// So many numbers along each axis, so many steps apart.
+    /// Walks so many numbers along each axis, so many steps apart.
     fn walked(self, shape: Vec<usize>, steps: &[usize]) -> View {
         let mut places = vec![0];
         for (side, step) in shape.iter().zip(steps) {
@@ -39,7 +39,7 @@ impl View {
         View { shape, at }
     }
 
-    /// With its axes in another order, each named once.
+    /// Reorders the axes, each named once.
     pub(super) fn turned(self, order: &[usize]) -> View {
         let steps = steps_of(&self.shape);
         let shape = order.iter().map(|axis| self.shape[*axis]).collect();

@@ -74,7 +74,7 @@ pub(crate) enum Stop {
 impl From<DetectError> for Stop {
     fn from(error: DetectError) -> Stop {
         match error {
-            DetectError::NotANumber { .. } => NotScoredReason::new(error).into(),
+            DetectError::NotANumber(_) => NotScoredReason::new(error).into(),
             error => Stop::Run(error.into()),
         }
     }
@@ -83,7 +83,7 @@ impl From<DetectError> for Stop {
 impl From<ProgramError> for Stop {
     fn from(error: ProgramError) -> Stop {
         match error {
-            ProgramError::Declined { .. } => NotScoredReason::new(error).into(),
+            ProgramError::Declined(_) => NotScoredReason::new(error).into(),
             error => Stop::Run(error.into()),
         }
     }
