@@ -1,7 +1,7 @@
 //! Guided capture: frames in, advice out, and a session that holds one good photo of each required view; and its [`page`] in a browser.
 //!
-//! A frame goes through `gates` (tags, pose, focus, light, steadiness) and `guidance` (the nearest view still required); what
-//! holds is taken at once by `store`, and a refused frame gets one sentence of `advice`. No clock is read: photos are ordered by their
+//! A frame goes through `gates` (tags, pose, focus, light, steadiness) and `guidance` (the nearest view still required); one that
+//! passes is stored at once (`store`), and a refused frame gets one sentence of `advice`. No clock is read: photos are ordered by their
 //! numbers.
 //!
 //! ```
