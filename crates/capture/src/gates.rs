@@ -90,7 +90,7 @@ pub struct Judge {
 }
 
 impl Judge {
-    /// `is_stream`: [`super::FrameSource::is_stream`].
+    /// Creates a judge; `is_stream` as of [`super::FrameSource::is_stream`].
     ///
     /// # Errors
     /// The tag detector does not start.

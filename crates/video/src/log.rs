@@ -1,4 +1,4 @@
-//! What ffmpeg says while it decodes: the time of each frame, by its filter `showinfo`, and errors.
+//! Messages of ffmpeg while it decodes: the time of each frame, by its filter `showinfo`, and errors.
 //!
 //! Much of it comes from the video: its title and comments, its name, what a demuxer quotes. So a line counts by how it begins alone: `[PART @ ADDRESS] [LEVEL] `
 //! are ffmpeg's, and the filter has a name that no video knows.
@@ -9,10 +9,10 @@ use std::sync::mpsc::{Receiver, sync_channel};
 
 /// No line of ffmpeg's is longer; the rest of one is left out.
 const LONGEST_LINE: u64 = 4096;
-/// So many lines wait to be taken. ffmpeg decodes some thirty frames ahead of the pipe with their pictures; one that says more waits.
+/// Number of lines that wait to be taken; ffmpeg waits beyond it. It decodes some thirty frames ahead of the pipe with their pictures.
 const MOST_WAITING: usize = 4096;
 
-/// Why a camera that sends ffmpeg to another address is not followed; ffmpeg itself would.
+/// Reason why a camera that sends ffmpeg to another address is not followed; ffmpeg itself would.
 pub(crate) const ELSEWHERE: &str = "it sends on to another address: give that one";
 
 /// A line that somebody waits for.
@@ -27,7 +27,7 @@ pub enum Said {
         /// Before it is scaled, px.
         size: Option<[u32; 2]>,
     },
-    /// Of the level error or worse.
+    /// Message of the level error or worse.
     Error(String),
 }
 
@@ -36,19 +36,19 @@ pub enum Said {
 pub struct Teller(String);
 
 impl Default for Teller {
-    /// Its name is another in every run.
+    /// Creates one whose name is another in every run.
     fn default() -> Teller {
         Teller::called(&format!("{:016x}", RandomState::new().hash_one(())))
     }
 }
 
 impl Teller {
-    /// By a name of letters and digits.
+    /// Creates one of a name of letters and digits.
     pub fn called(name: &str) -> Teller {
         Teller(format!("showinfo@{name}"))
     }
 
-    /// What ffmpeg is told.
+    /// Returns the filter's argument.
     pub(crate) fn filter(&self) -> String {
         format!("{}=checksum=0", self.0)
     }
@@ -71,7 +71,7 @@ pub struct Lines {
 }
 
 impl Lines {
-    /// A line, if it matters.
+    /// Parses a line; `None` if it does not matter.
     pub fn understood(&mut self, line: &str) -> Option<Said> {
         let spoken = Spoken::of(line)?;
         if spoken.by == Some(&self.teller) {
@@ -133,7 +133,7 @@ impl Spoken<'_> {
         is_level.then_some(Spoken { by, level, words })
     }
 
-    /// By an RTSP server, to another one.
+    /// Returns true if an RTSP server has sent ffmpeg to another one.
     fn is_sent_on(&self) -> bool {
         self.by == Some("rtsp") && self.words.contains(": Redirecting to ")
     }
@@ -143,7 +143,7 @@ impl Spoken<'_> {
     }
 }
 
-/// The last of `[PART @ ADDRESS] ` that a line begins with, and what follows.
+/// Returns the last of `[PART @ ADDRESS] ` that a line begins with, and what follows.
 fn without_parts(line: &str) -> (Option<&str>, &str) {
     let (mut by, mut rest) = (None, line);
     while let Some((part, after)) = rest.strip_prefix('[').and_then(|rest| rest.split_once("] ")) {
@@ -176,7 +176,7 @@ pub(crate) fn listen(log: impl Read + Send + 'static, teller: &Teller) -> Receiv
     said
 }
 
-/// The next line, without what is too long of it; `None` at the end.
+/// Returns the next line, without what is too long of it; `None` at the end.
 fn next_line(log: &mut impl BufRead) -> Option<String> {
     let mut line = Vec::new();
     let count = log.take(LONGEST_LINE).read_until(b'\n', &mut line).ok()?;
@@ -195,7 +195,7 @@ fn next_line(log: &mut impl BufRead) -> Option<String> {
     Some(String::from_utf8_lossy(&line).into_owned())
 }
 
-/// Of `config in time_base: 1/15360, frame_rate: 30/1`, s: showinfo's own `pts_time` has six digits, which is too coarse after a quarter of an
+/// Reads the time base, s, of `config in time_base: 1/15360, frame_rate: 30/1`: showinfo's own `pts_time` has six digits, which is too coarse after a quarter of an
 /// hour.
 fn time_base_of(words: &str) -> Option<f64> {
     let rest = words.strip_prefix("config in time_base: ")?;
@@ -205,12 +205,12 @@ fn time_base_of(words: &str) -> Option<f64> {
     over.zip(under).map(|(over, under)| over / under)
 }
 
-/// The word behind a name.
+/// Returns the word behind a name.
 fn field<'a>(line: &'a str, name: &str) -> Option<&'a str> {
     line.split_once(name)?.1.split_whitespace().next()
 }
 
-/// The last complaint among what was said, without the input's name and the addresses of ffmpeg's parts.
+/// Returns the last complaint among what was said, without the input's name and the addresses of ffmpeg's parts.
 pub(crate) fn last_words(said: &str, name: &str) -> String {
     let words = |line| Spoken::of(line).filter(Spoken::is_error).map(|spoken| spoken.words);
     let mut complaints = said.lines().rev().filter_map(words);
@@ -218,12 +218,12 @@ pub(crate) fn last_words(said: &str, name: &str) -> String {
     plain(last.unwrap_or("no reason given"), name)
 }
 
-/// Whether an RTSP server has sent ffmpeg to another one.
+/// Returns true if an RTSP server has sent ffmpeg to another one.
 pub(crate) fn sends_elsewhere(said: &str) -> bool {
     said.lines().filter_map(Spoken::of).any(|spoken| spoken.is_sent_on())
 }
 
-/// What ffmpeg says, without the input's name.
+/// Returns a message of ffmpeg's without the input's name.
 pub(crate) fn plain(words: &str, name: &str) -> String {
     let words = words.trim();
     let words = words.strip_prefix("file:").unwrap_or(words);

@@ -150,7 +150,7 @@ impl Page {
     }
 }
 
-/// The address under which other machines in the local network see this one. Nothing is sent: the system is asked which way it would
+/// Returns the address under which other machines in the local network see this one. Nothing is sent: the system is asked which way it would
 /// take.
 fn own_address() -> Option<IpAddr> {
     let socket = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0)).ok()?;

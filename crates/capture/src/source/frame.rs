@@ -27,7 +27,7 @@ pub enum Original {
 }
 
 impl SourceFrame {
-    /// A frame whose source does not know when it was taken.
+    /// Creates a frame whose source does not know when it was taken.
     pub fn untimed(name: String, original: Original) -> SourceFrame {
         SourceFrame {
             name,

@@ -38,7 +38,7 @@ struct WatchedFile {
 }
 
 impl Watch {
-    /// `ends`: the source ends when every file in the folder has been given; otherwise it waits for more.
+    /// Opens a folder. With `ends` the source ends when every file in it has been given; otherwise it waits for more.
     ///
     /// # Errors
     /// The folder cannot be read.

@@ -15,7 +15,7 @@ use crate::message::bail;
 #[derive(Default)]
 struct Met {
     read: BTreeSet<PathBuf>,
-    /// What this run wrote is no input, although it may be read again.
+    /// Files that this run wrote: no inputs, although they may be read again.
     written: BTreeSet<PathBuf>,
 }
 
@@ -25,7 +25,7 @@ fn met() -> MutexGuard<'static, Option<Met>> {
     MET.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// From here on every file that is read is an input of this run, and writing over it is refused.
+/// Makes every file that is read from here on an input of this run, over which nothing is written.
 pub fn guard() {
     met().get_or_insert_default();
 }
@@ -82,7 +82,7 @@ pub fn own(path: &Path) {
     }
 }
 
-/// The whole path of a file that may not be there yet.
+/// Returns the whole path of a file that may not be there yet.
 fn place(path: &Path) -> PathBuf {
     let in_folder = || Some(folder_of(path).canonicalize().ok()?.join(path.file_name()?));
     let place = path.canonicalize().ok().or_else(in_folder);

@@ -44,14 +44,14 @@ pub(super) fn persist_all(staged: Vec<Staged>) -> Result<(), FileError> {
     Ok(())
 }
 
-/// The folder, locked; `None` where folders have no locks.
+/// Returns the folder, locked; `None` where folders have no locks.
 fn turn(folder: &Path) -> Option<File> {
     let folder = File::open(folder).ok()?;
     folder.lock().ok()?;
     Some(folder)
 }
 
-/// Temporary names by folder. However a folder is spelled, it is one: its lock taken twice would wait for itself.
+/// Sorts temporary names by folder. However a folder is spelled, it is one: its lock taken twice would wait for itself.
 fn by_folder(staged: &[Staged]) -> BTreeMap<PathBuf, Vec<String>> {
     let mut folders: BTreeMap<PathBuf, Vec<String>> = BTreeMap::new();
     for file in staged {
@@ -125,7 +125,7 @@ fn tidy_now(folder: &Path) {
     }
 }
 
-/// A regular file or a folder that no running program is at work on.
+/// Opens a regular file or a folder that no running program is at work on.
 fn left_behind(path: &Path) -> Option<File> {
     let about = std::fs::symlink_metadata(path).ok()?;
     let file = (about.is_file() || about.is_dir()).then(|| File::open(path).ok())??;
@@ -151,7 +151,7 @@ fn finish(folder: &Path, note: File) {
     }
 }
 
-/// `None`, which is before any time, for what is not there.
+/// Returns the time of the last change; `None`, which is before any time, for what is not there.
 fn modified(path: &Path) -> Option<SystemTime> {
     std::fs::symlink_metadata(path).and_then(|about| about.modified()).ok()
 }

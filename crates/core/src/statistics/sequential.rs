@@ -45,7 +45,7 @@ impl Wealth {
     }
 }
 
-/// What numbers have shown of their mean.
+/// Finding of a sequential test on the mean of numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shown {
     /// Some lie above 0 on average.
@@ -76,7 +76,7 @@ pub struct Sequence {
 }
 
 impl Sequence {
-    /// Before the first number. `least` must lie in (0, 1).
+    /// Creates a test before the first number. `least` must lie in (0, 1).
     pub fn new(strata: usize, least: Option<f64>) -> Sequence {
         Sequence {
             up: Wealth::above(0.0),
@@ -133,17 +133,17 @@ impl Sequence {
         self.shown = self.shown.or(shown.map(|shown| (shown, self.numbers)));
     }
 
-    /// What was shown first, and after how many numbers.
+    /// Returns the first finding, and the number of values after which it was reached.
     pub fn shown(&self) -> Option<(Shown, usize)> {
         self.shown
     }
 
-    /// After how many numbers their mean over the strata was shown to be smaller than the least that matters.
+    /// Returns the number of values after which their mean over the strata was shown to be smaller than the least that matters.
     pub fn less_after(&self) -> Option<usize> {
         self.less_after
     }
 
-    /// Whether the evidence behind [`Sequence::p`] is for numbers above 0 on average, not below.
+    /// Returns true if the evidence behind [`Sequence::p`] is for a mean above 0, not below.
     pub fn is_above(&self) -> bool {
         self.most_is_above
     }
@@ -173,7 +173,7 @@ impl Sequence {
         (low <= high).then_some(Interval { low, high })
     }
 
-    /// The largest mean that is refuted from above, of the numbers times `sign`.
+    /// Returns the largest mean that is refuted from above, of the numbers times `sign`.
     fn bound(&self, sign: f64) -> f64 {
         // The larger the mean, the less is won by betting on more.
         let (mut refuted, mut open) = (-1.0, 1.0);
@@ -197,7 +197,7 @@ impl Sequence {
     }
 }
 
-/// The logarithm of the wealth that shows something.
+/// Returns the logarithm of the wealth that shows something.
 fn enough() -> f64 {
     (2.0 / LEVEL).ln()
 }

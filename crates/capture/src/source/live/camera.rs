@@ -100,7 +100,7 @@ impl LiveCamera {
         LiveCamera::from_device(number, OPENING, move || system::open(number, &camera))
     }
 
-    /// A camera of any make; `open` is called on the thread that reads it, and may take up to `limit`.
+    /// Starts a camera of any make; `open` is called on the thread that reads it, and may take up to `limit`.
     ///
     /// # Errors
     /// The error of `open`, or that it took longer.
@@ -112,7 +112,7 @@ impl LiveCamera {
         LiveCamera::start(LiveName::Number(number), limit, PATIENCE, open)
     }
 
-    /// As [`LiveCamera::from_device`], for whatever gives images one after the other; one that gives nothing for `patience` is gone.
+    /// Starts whatever gives images one after the other, as [`LiveCamera::from_device`]; without an image for `patience` it is gone.
     ///
     /// # Errors
     /// As [`LiveCamera::from_device`].
@@ -166,7 +166,7 @@ impl Drop for LiveCamera {
 }
 
 impl SharedState {
-    /// A thread that failed leaves the state whole: every change is one assignment.
+    /// Locks the state, which a failed thread leaves whole: every change is one assignment.
     fn locked(&self) -> MutexGuard<'_, ReaderState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -166,7 +166,7 @@ fn lock_controls() -> [LockControl; 3] {
     ]
 }
 
-/// Elsewhere one control is both: mode 0 of AVFoundation is "locked".
+/// Returns one control for both, as elsewhere: mode 0 of AVFoundation is "locked".
 #[cfg(not(target_os = "linux"))]
 fn lock_controls() -> [LockControl; 3] {
     use KnownCameraControl::{Exposure, Focus, WhiteBalance};

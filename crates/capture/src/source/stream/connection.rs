@@ -200,7 +200,7 @@ fn reason(e: &VideoError) -> String {
     }
 }
 
-/// The option of ffmpeg's RTSP reader after how many microseconds of silence it gives up: `-timeout` since ffmpeg 5, `-stimeout` before, when
+/// Returns the option of ffmpeg's RTSP reader after how many microseconds of silence it gives up: `-timeout` since ffmpeg 5, `-stimeout` before, when
 /// `-timeout` let it wait for a camera that calls.
 fn silence_option() -> &'static str {
     static OPTION: OnceLock<&str> = OnceLock::new();

@@ -149,7 +149,7 @@ impl Device for Stream {
         )))
     }
 
-    /// Nothing is held: a stream carries images only.
+    /// Locks nothing: a stream carries images only.
     fn lock(&mut self) -> CameraSettings {
         let [width, height] = self.size;
         CameraSettings {
