@@ -296,7 +296,10 @@ fn a_camera_that_cannot_be_used_is_one_sentence() {
         .arg(skyline().join("camera.yaml"))
         .arg("-o")
         .arg(&session);
-    assert_refused(&command.output().unwrap(), &["camera 97", "hint: see `scaleproof capture list-cameras`"]);
+    assert_refused(
+        &command.output().unwrap(),
+        &["camera 97", "hint: see `scaleproof capture list-cameras`"],
+    );
     assert!(!session.exists());
     let listed = program().args(["capture", "list-cameras", "--json"]).output().unwrap();
     let told: serde_json::Value = serde_json::from_slice(&listed.stdout).unwrap();

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use image::{GrayImage, RgbImage};
 
-use crate::log::{ELSEWHERE, Said, Teller, listen, plain};
+use crate::log::{ELSEWHERE, FrameLog, LogEvent, listen, plain};
 use crate::probe::{MOST_MEGAPIXELS, Range};
 use crate::program::{Running, command, drain, every_frame_option, version};
 use crate::{Video, VideoError};
@@ -176,7 +176,7 @@ pub struct Frames<P> {
     selection: Selection,
     /// Length of what is to come by the header, s.
     expected_s: Option<f64>,
-    said: Receiver<Said>,
+    said: Receiver<LogEvent>,
     images: Receiver<P>,
     running: Running,
     /// The number of ffmpeg's first frame, and what its times lack, s; `None` until it came.
@@ -254,7 +254,7 @@ impl Video {
 impl<P: Pixels> Frames<P> {
     /// Starts ffmpeg; `filter` gives frames their size and colours.
     pub(crate) fn start(video: &Video, selection: &Selection, filter: Filter) -> Result<Frames<P>, VideoError> {
-        let (name, teller) = (video.input.name.clone(), Teller::default());
+        let (name, frame_log) = (video.input.name.clone(), FrameLog::default());
         let mut command = command("ffmpeg", &name)?;
         video.input.feed(&mut command)?;
         command
@@ -267,7 +267,7 @@ impl<P: Pixels> Frames<P> {
             )
             .args(&video.input.arguments)
             .args(["-map", &format!("0:{}", video.stream)])
-            .args(output_arguments::<P>(selection, &filter, &teller));
+            .args(output_arguments::<P>(selection, &filter, &frame_log));
         let mut running = Running::start(command, "ffmpeg", &name)?.bounded(video.input.most_memory);
         let (Some(stdout), Some(stderr)) = (running.0.stdout.take(), running.0.stderr.take()) else {
             return Err(VideoError::not_started(&name, "ffmpeg", "it has no output"));
@@ -276,7 +276,7 @@ impl<P: Pixels> Frames<P> {
         Ok(Frames {
             expected_s: end_s
                 .filter(|_| selection.is_whole && selection.numbers.is_none() && video.duration_s.is_some()),
-            said: listen(stderr, &teller),
+            said: listen(stderr, &frame_log),
             images: images(stdout, selection.size(video), filter.is_limited),
             running,
             video: video.clone(),
@@ -296,7 +296,7 @@ impl<P: Pixels> Frames<P> {
     fn following(&mut self) -> Result<Option<Frame<P>>, VideoError> {
         loop {
             match self.said.recv_timeout(self.selection.patience) {
-                Ok(Said::Error(line)) => {
+                Ok(LogEvent::Error(line)) => {
                     let line = plain(&line, &self.name);
                     let is_elsewhere = line == ELSEWHERE;
                     self.complaint.get_or_insert(line);
@@ -306,11 +306,11 @@ impl<P: Pixels> Frames<P> {
                     }
                 }
                 // ffmpeg would stretch them to the size of the first, and no camera file would fit.
-                Ok(Said::Frame { size: Some(size), .. }) if *self.decoded.get_or_insert(size) != size => {
+                Ok(LogEvent::Frame { size: Some(size), .. }) if *self.decoded.get_or_insert(size) != size => {
                     self.complaint = Some("its frames change their size".to_owned());
                     return Err(self.damaged());
                 }
-                Ok(Said::Frame {
+                Ok(LogEvent::Frame {
                     number, time_s, is_key, ..
                 }) => {
                     let Some((first, offset_s)) = self.origin(time_s) else {
@@ -452,9 +452,9 @@ fn input_options() -> [String; 7] {
 }
 
 /// Returns ffmpeg's arguments for its output: every chosen frame, with its own time, as raw bytes.
-fn output_arguments<P: Pixels>(selection: &Selection, filter: &Filter, teller: &Teller) -> Vec<String> {
+fn output_arguments<P: Pixels>(selection: &Selection, filter: &Filter, frame_log: &FrameLog) -> Vec<String> {
     let choice = selection.expression().map(|e| format!("select={e}"));
-    let filters = [Some(teller.filter()), choice, filter.frames.clone()];
+    let filters = [Some(frame_log.filter()), choice, filter.frames.clone()];
     let filters: Vec<String> = filters.into_iter().flatten().collect();
     let mut arguments: Vec<String> = ["-an", "-sn", "-dn", "-map_metadata", "-1", "-map_chapters", "-1"]
         .map(str::to_owned)
@@ -480,7 +480,7 @@ fn output_arguments<P: Pixels>(selection: &Selection, filter: &Filter, teller: &
 /// Its message.
 fn takes<P: Pixels>(selection: &Selection, filter: &Filter, range: Range) -> Result<(), String> {
     const PICTURE: [usize; 2] = [64, 64];
-    let (not_started, teller) = (|e: VideoError| e.to_string(), Teller::default());
+    let (not_started, frame_log) = (|e: VideoError| e.to_string(), FrameLog::default());
     let mut command = command("ffmpeg", "").map_err(not_started)?;
     command
         .args(input_options())
@@ -488,7 +488,7 @@ fn takes<P: Pixels>(selection: &Selection, filter: &Filter, range: Range) -> Res
         .arg(format!("{}x{}", PICTURE[0], PICTURE[1]))
         .args(range.options())
         .args(["-i", "pipe:0"])
-        .args(output_arguments::<P>(selection, filter, &teller))
+        .args(output_arguments::<P>(selection, filter, &frame_log))
         .stdin(Stdio::piped());
     let mut running = Running::start(command, "ffmpeg", "").map_err(not_started)?;
     if let Some(mut stdin) = running.0.stdin.take() {
@@ -496,11 +496,11 @@ fn takes<P: Pixels>(selection: &Selection, filter: &Filter, range: Range) -> Res
         let _ = stdin.write_all(&vec![128; PICTURE[0] * PICTURE[1] * 3 / 2]);
     }
     drain(running.0.stdout.take(), 0);
-    let said = running.0.stderr.take().map(|log| listen(log, &teller));
+    let said = running.0.stderr.take().map(|log| listen(log, &frame_log));
     let mut said = std::iter::from_fn(|| said.as_ref()?.recv_timeout(TRIED_WITHIN).ok());
     let complaint = said.find_map(|said| match said {
-        Said::Error(line) => Some(plain(&line, "")),
-        Said::Frame { .. } => None,
+        LogEvent::Error(line) => Some(plain(&line, "")),
+        LogEvent::Frame { .. } => None,
     });
     match (complaint, running.ended_well(TRIED_WITHIN)) {
         (Some(complaint), _) => Err(complaint),

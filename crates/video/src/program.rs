@@ -123,9 +123,9 @@ impl Drop for Running {
 }
 
 /// Content of a pipe until its end.
-pub(crate) struct Drained(Receiver<Vec<u8>>);
+pub(crate) struct PipeContent(Receiver<Vec<u8>>);
 
-impl Drained {
+impl PipeContent {
     /// Returns the whole content when the writing program has ended; `None` if a process that it left behind holds the pipe open.
     pub fn whole(self) -> Option<Vec<u8>> {
         self.0.recv_timeout(LEFT_BEHIND).ok()
@@ -133,7 +133,7 @@ impl Drained {
 }
 
 /// Reads a pipe up to a limit in a thread of its own: a full pipe would stop the program that writes.
-pub(crate) fn drain(from: Option<impl Read + Send + 'static>, most: u64) -> Drained {
+pub(crate) fn drain(from: Option<impl Read + Send + 'static>, most: u64) -> PipeContent {
     let (give, drained) = sync_channel(1);
     std::thread::spawn(move || {
         let mut read = Vec::new();
@@ -144,7 +144,7 @@ pub(crate) fn drain(from: Option<impl Read + Send + 'static>, most: u64) -> Drai
         // Nobody may wait for it.
         let _ = give.send(read);
     });
-    Drained(drained)
+    PipeContent(drained)
 }
 
 /// Returns ffmpeg's output for an argument; empty if it does not start.

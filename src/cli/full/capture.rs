@@ -22,8 +22,8 @@ use crate::cli::resolve::names::check_names;
 use crate::cli::{CommandResult, Outcome, Result};
 use scaleproof_capture::page::{CaptureInfo, Page};
 use scaleproof_capture::{
-    BinName, Capture, FrameLine, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceName, Store,
-    Target, Tolerance, Watch, interrupt_programs, live::list_cameras, pair, stream,
+    BinName, Capture, FrameLine, FrameSource, Guidance, Judge, LiveCamera, Replay, SourceName, Store, Target,
+    Tolerance, Watch, interrupt_programs, live::list_cameras, pair, stream,
 };
 use scaleproof_core::files;
 use scaleproof_core::message::Message;

@@ -14,7 +14,7 @@ use super::error::FileError;
 use super::inputs;
 
 /// Looks at what lies at a place itself, and not at what a link there leads to.
-fn at(path: &Path) -> Option<Metadata> {
+fn metadata_of(path: &Path) -> Option<Metadata> {
     std::fs::symlink_metadata(path).ok()
 }
 
@@ -39,7 +39,7 @@ pub(super) fn check(home: &Path, path: &Path) -> Result<(), FileError> {
 }
 
 fn is_folder_or_absent(folder: &Path) -> Result<bool, FileError> {
-    match at(folder) {
+    match metadata_of(folder) {
         None => Ok(false),
         Some(about) if about.is_dir() => Ok(true),
         Some(_) => Err(FileError::cannot_write(
@@ -107,7 +107,7 @@ pub fn new_file(home: &Path, path: &Path) -> Result<File, FileError> {
 /// It is no file, or has a second name: what is appended would be in that one, too.
 pub fn begun(home: &Path, path: &Path) -> Result<u64, FileError> {
     check(home, path)?;
-    match at(path) {
+    match metadata_of(path) {
         None => Ok(0),
         Some(about) if about.is_file() && names(&about) == 1 => Ok(about.len()),
         Some(_) => Err(FileError::content(
