@@ -9,6 +9,7 @@ use super::answer::FrameAnswer;
 use super::gates::{Judge, Measures};
 use super::guidance::Guidance;
 use super::source::{CameraSettings, Original, SourceFrame};
+use super::steady::{SteadyRun, Taking};
 use super::store::{Sidecar, Store, StoreError};
 use scaleproof_core::files;
 use scaleproof_core::geometry::rigid;
@@ -22,28 +23,6 @@ use scaleproof_session::PhotoEntry;
 /// Sentence on a damaged image of a running camera.
 const DAMAGED: &str = "the camera sent a damaged image: check its connection";
 
-/// Number of frames of a stream in a row that must be fit to be taken at the same target; the last of them is. A fifth of a second at 20 frames a
-/// second.
-const STEADY_FRAMES: u32 = 4;
-
-/// Condition under which a frame is taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Taking {
-    /// Taken when all gates hold.
-    ByItself,
-    /// Taken whatever its light, focus and steadiness.
-    ByHand,
-    /// Never taken: it is a small picture of what a device films.
-    Never,
-}
-
-/// Number of frames in a row that were fit for a target.
-#[derive(Debug, Clone, Copy)]
-struct SteadyFrames {
-    target: usize,
-    frames: u32,
-}
-
 /// A capture of one variant at one place.
 pub struct Capture {
     guidance: Guidance,
@@ -54,10 +33,8 @@ pub struct Capture {
     camera: Camera,
     variant: String,
     place: String,
-    /// True if frames of a stream are taken by themselves.
-    pub is_auto: bool,
     /// Last frames of a stream, fit for one target.
-    steady: Option<SteadyFrames>,
+    run: SteadyRun,
     camera_settings: Option<CameraSettings>,
 }
 
@@ -72,8 +49,7 @@ impl Capture {
             camera,
             variant: variant.to_owned(),
             place: place.to_owned(),
-            is_auto: true,
-            steady: None,
+            run: SteadyRun::default(),
             camera_settings: None,
         };
         capture.fill_from_store();
@@ -117,6 +93,11 @@ impl Capture {
         }
     }
 
+    /// Takes frames of a stream by hand only, from now on.
+    pub fn take_by_hand_only(&mut self) {
+        self.run.is_auto = false;
+    }
+
     /// Sets the camera's settings, for the sidecars of the photos that follow.
     pub fn set_camera_settings(&mut self, settings: Option<CameraSettings>) {
         self.camera_settings = settings;
@@ -157,8 +138,7 @@ impl Capture {
         self.gates.filmed_after(after_ms);
         let answer = self.judge(frame, taking);
         swap(self);
-        let wants_whole = self.steady.is_some_and(|steady| steady.frames + 1 >= STEADY_FRAMES);
-        Ok((answer?, wants_whole))
+        Ok((answer?, self.run.lacks_one()))
     }
 
     /// Judges a frame, and takes it as `taking` says.
@@ -166,7 +146,7 @@ impl Capture {
         let (luma, turned_deg) = match self.luma(frame) {
             Ok(luma) => luma,
             Err(advice) => {
-                self.steady = None;
+                self.run.end();
                 return Ok(FrameAnswer {
                     size_px: [0, 0],
                     viewpoint: None,
@@ -178,20 +158,15 @@ impl Capture {
                 });
             }
         };
-        let mut judgement = self.gates.judge(&luma, turned_deg, &self.camera, &self.guidance);
-        let is_by_hand = taking == Taking::ByHand;
-        let hold = self.hold(&judgement.verdict, taking);
-        if self.gates.is_stream() && (is_by_hand || hold.is_ok()) {
-            let (camera, guidance) = (&self.camera, &self.guidance);
-            judgement = self.gates.confirm(judgement, &luma, turned_deg, camera, guidance);
-        }
-        let target = match (is_by_hand, hold) {
-            (true, _) => judgement.place,
-            (false, Ok(())) => judgement.verdict,
-            (false, Err(advice)) => Err(advice),
-        };
-        let verdict = match (target, &judgement.located) {
-            (Ok(target), Some(located)) => self.accept(frame, target, located, judgement.measures, is_by_hand)?,
+        let (camera, guidance) = (&self.camera, &self.guidance);
+        let judgement = self
+            .gates
+            .decide(&luma, turned_deg, camera, guidance, taking, &mut self.run);
+        let verdict = match (judgement.verdict, &judgement.located) {
+            (Ok(target), Some(located)) => {
+                let is_by_hand = taking == Taking::ByHand;
+                self.accept(frame, target, located, judgement.measures, is_by_hand)?
+            }
             (Ok(_), None) => Err(Advice::NoTags), // a frame on target is located
             (Err(advice), _) => Err(advice),
         };
@@ -232,26 +207,6 @@ impl Capture {
         let taken_back = self.store.was_taken_back(sha256).then_some(Advice::TakenBack);
         let photo = self.store.named(sha256).map(str::to_owned);
         photo.map(|photo| Advice::Repeated { photo }).or(taken_back)
-    }
-
-    /// Checks if a frame may be taken by itself, by its verdict and those of the frames before it.
-    fn hold(&mut self, verdict: &Result<usize, Advice>, taking: Taking) -> Result<(), Advice> {
-        let before = self.steady.take();
-        let target = *verdict.as_ref().map_err(Advice::clone)?;
-        if !self.gates.is_stream() {
-            return Ok(());
-        }
-        if !self.is_auto {
-            return Err(Advice::Ready);
-        }
-        let frames = 1 + before
-            .filter(|before| before.target == target)
-            .map_or(0, |before| before.frames);
-        if frames >= STEADY_FRAMES && taking != Taking::Never {
-            return Ok(());
-        }
-        self.steady = Some(SteadyFrames { target, frames });
-        Err(Advice::Hold)
     }
 
     fn accept(

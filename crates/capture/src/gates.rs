@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::advice::Advice;
 use super::guidance::Guidance;
+use super::steady::{SteadyRun, Taking};
 use scaleproof_core::geometry::{Rigid, distance, extent};
 use scaleproof_core::statistics::upper_median;
 use scaleproof_pose::camera::Camera;
@@ -163,20 +164,32 @@ impl Judge {
         judgement
     }
 
-    /// Judges the same frame again, before it is taken, by the tag detector whose poses are kept.
-    pub fn confirm(
+    /// Judges a frame, and decides if it is taken: of a stream, when all gates have held for a moment, and still do by the tag detector whose
+    /// poses are kept.
+    pub(crate) fn decide(
         &mut self,
-        first: FrameJudgement,
         luma: &GrayImage,
         turned_deg: u32,
         camera: &Camera,
         guidance: &Guidance,
+        taking: Taking,
+        run: &mut SteadyRun,
     ) -> FrameJudgement {
-        if self.live.is_none() {
-            return first;
+        let mut judgement = self.judge(luma, turned_deg, camera, guidance);
+        let is_by_hand = taking == Taking::ByHand;
+        if !self.is_stream {
+            run.end();
+        } else if let (Err(advice), false) = (run.add(&judgement.verdict, taking), is_by_hand) {
+            judgement.verdict = Err(advice);
+            return judgement;
+        } else if self.live.is_some() {
+            let photo = locate_luma(luma, turned_deg, None, &self.scene, camera, self.tags.as_mut());
+            judgement = self.weigh(photo, luma, guidance);
         }
-        let photo = locate_luma(luma, turned_deg, None, &self.scene, camera, self.tags.as_mut());
-        self.weigh(photo, luma, guidance)
+        if is_by_hand {
+            judgement.verdict = judgement.place.clone();
+        }
+        judgement
     }
 
     /// Measures a located frame and judges it by the gates.

@@ -25,6 +25,7 @@ pub mod page; // the capture in a browser
 pub mod pair; // another session's viewpoints as required views
 mod recover; // what an interrupted capture left, finished
 mod source; // where frames come from
+mod steady; // frames in a row that are fit for the same target
 mod store; // the session that is filled
 
 pub use advice::Advice;

@@ -15,7 +15,7 @@ use super::dial::DialRings;
 use super::error::PageError;
 use super::state::{self, CaptureInfo, FilmedView, PageState, PairsSoFar, ShownFrame};
 use super::{ground, upload};
-use crate::capture::Taking;
+use crate::steady::Taking;
 use crate::{CameraSettings, Capture, FrameAnswer, FrameSource, Guidance, SourceError, SourceFrame, StoreError};
 use scaleproof_pose::scene::{Bin, Scene};
 
