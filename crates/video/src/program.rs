@@ -43,13 +43,6 @@ fn kill(id: u32) {
     let _ = id;
 }
 
-/// Returns true if the system has the programs that videos are read with.
-pub fn reads_video() -> bool {
-    ["ffmpeg", "ffprobe"]
-        .iter()
-        .all(|name| environment::program(name).is_some())
-}
-
 /// Creates a command that reads nothing from the terminal; `name` is the video's.
 pub(crate) fn command(program: &'static str, name: &str) -> Result<Command, VideoError> {
     let missing = || {
