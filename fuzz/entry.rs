@@ -29,7 +29,7 @@ use scaleproof_surface::mesh::{Mesh, MeshPlacement};
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::palette::Palette;
 use scaleproof_surface::texture::{FaceTexels, MappedImages, SurfacePoint, Texture};
-use scaleproof_video::log::{Said, Teller};
+use scaleproof_video::log::{FrameLog, LogEvent};
 use scaleproof_video::{Input, Video};
 
 /// Camera files: what is read can be written, and reads back as the same camera.
@@ -230,11 +230,11 @@ fn mesh(name: &str, bytes: &[u8]) {
 /// What ffmpeg says: a frame's time is a number, and no line that begins otherwise than the filter's is a frame.
 pub fn ffmpeg(bytes: &[u8]) {
     const NAME: &str = "secret";
-    let mut lines = Teller::called(NAME).lines();
+    let mut lines = FrameLog::named(NAME).parser();
     for line in String::from_utf8_lossy(bytes).lines() {
-        match lines.understood(line) {
-            Some(Said::Frame { time_s, .. }) => assert!(time_s.is_finite() && line.contains(NAME)),
-            Some(Said::Error(words)) => {
+        match lines.parse(line) {
+            Some(LogEvent::Frame { time_s, .. }) => assert!(time_s.is_finite() && line.contains(NAME)),
+            Some(LogEvent::Error(words)) => {
                 assert!(line.contains(words.as_str()) || line.contains(NAME) || line.contains("Redirecting"))
             }
             None => {}

@@ -810,7 +810,7 @@ fn a_photo_is_taken_by_hand_on_target_only() {
     let out = tempfile::tempdir().unwrap();
     let scene = Scene::open(&skyline().join("scene.toml")).unwrap();
     let mut capture = live_capture(&out.path().join("a"), &scene, 850.0);
-    capture.is_auto = false;
+    capture.take_by_hand_only();
     let shown = Photo::open(&photo(1)).unwrap().rgb(1).unwrap();
     let frame = |rgb: &RgbImage| SourceFrame::untimed("live".into(), pixels(rgb));
     let said = |answer: FrameAnswer| {

@@ -1,11 +1,11 @@
-//! The one most useful thing to tell the photographer about a frame that is not taken.
+//! Advice to the photographer on a frame that is not taken: the one most useful.
 
 use std::fmt;
 
 use super::guidance::NextMove;
 use scaleproof_pose::locate::Abstention;
 
-/// Why a frame is not taken, as something to do.
+/// Reason why a frame is not taken, as something to do.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Advice {
     /// The source's own sentence.
@@ -40,7 +40,7 @@ pub enum Advice {
     NoModel,
     #[error("I see no tag: step back, or uncover the tags")]
     NoTags,
-    /// With the tag beside it that should be seen too, if the scene has one.
+    /// One tag only, with the tag beside it that should be seen too, if the scene has one.
     #[error("I see only tag {id}: {}", second(*beside))]
     OneTag { id: u32, beside: Option<u32> },
     /// No pose for another reason.
@@ -70,7 +70,7 @@ fn next(then: Option<NextMove>) -> String {
 }
 
 impl Advice {
-    /// A stable name for programs.
+    /// Returns a stable name for programs.
     pub fn code(&self) -> &'static str {
         match self {
             Advice::Unreadable(_) => "unreadable",
@@ -96,7 +96,7 @@ impl Advice {
     }
 }
 
-/// From the standpoint of somebody who faces the model. Never "0°": the step is not done yet.
+/// Words for somebody who faces the model. Never "0°": the step is not done yet.
 impl fmt::Display for NextMove {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let cm = |mm: f64| (mm.abs() / 10.0).round().max(1.0);

@@ -1,4 +1,4 @@
-//! What became of a frame, for the terminal, the page and programs.
+//! Outcome of a frame, for the terminal, the page and programs.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -10,7 +10,7 @@ use scaleproof_core::geometry::Rigid;
 use scaleproof_pose::scene::{Bin, Viewpoint};
 use scaleproof_pose::tags::SeenTag;
 
-/// What became of a frame.
+/// Outcome of a frame.
 #[derive(Debug, Clone)]
 pub struct FrameAnswer {
     /// Width and height of the upright frame; zeros when it could not be read.
@@ -21,7 +21,7 @@ pub struct FrameAnswer {
     pub measures: Measures,
     /// The name of the accepted photo and its target's index, or what to do.
     pub verdict: Result<(String, usize), Advice>,
-    /// What to know before believing the pose, as sentences.
+    /// Cautions about the pose, as sentences.
     pub cautions: Vec<String>,
     /// The tags that were seen, in the upright frame.
     pub tags: Vec<SeenTag>,
@@ -35,7 +35,7 @@ pub struct FrameLine<'a> {
     status: &'static str,
     /// The photo's name in the session.
     photo: Option<&'a str>,
-    /// What was taken of the frame, or is required.
+    /// Bin that the accepted photo fills.
     bin: Option<Bin>,
     code: Option<&'static str>,
     advice: Option<String>,
@@ -44,7 +44,7 @@ pub struct FrameLine<'a> {
 }
 
 impl FrameAnswer {
-    /// The line for programs about the frame of this name.
+    /// Returns the line for programs about the frame of this name.
     pub fn line<'a>(&'a self, frame: &'a str, guidance: &Guidance) -> FrameLine<'a> {
         let (accepted, advice) = (self.verdict.as_ref().ok(), self.verdict.as_ref().err());
         FrameLine {
@@ -59,7 +59,7 @@ impl FrameAnswer {
         }
     }
 
-    /// What became of the frame, in a sentence.
+    /// Returns the outcome in a sentence.
     pub fn sentence(&self, guidance: &Guidance) -> String {
         match &self.verdict {
             Ok((photo, target)) => {

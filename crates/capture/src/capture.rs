@@ -9,6 +9,7 @@ use super::answer::FrameAnswer;
 use super::gates::{Judge, Measures};
 use super::guidance::Guidance;
 use super::source::{CameraSettings, Original, SourceFrame};
+use super::steady::{SteadyRun, Taking};
 use super::store::{Sidecar, Store, StoreError};
 use scaleproof_core::files;
 use scaleproof_core::geometry::rigid;
@@ -19,38 +20,21 @@ use scaleproof_pose::locate::Located;
 use scaleproof_pose::scene::{Bin, Scene};
 use scaleproof_session::PhotoEntry;
 
-/// What is said of a damaged image of a running camera.
+/// Sentence on a damaged image of a running camera.
 const DAMAGED: &str = "the camera sent a damaged image: check its connection";
-
-/// In a stream, so many frames in a row must be fit to be taken at the same target; the last of them is. A fifth of a second at 20 frames a
-/// second.
-const HELD_FRAMES: u32 = 4;
-
-/// How a frame comes to be taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Taking {
-    /// When all gates hold.
-    ByItself,
-    /// Whatever its light, focus and steadiness.
-    ByHand,
-    /// Not at all: it is a small picture of what a device films.
-    Never,
-}
 
 /// A capture of one variant at one place.
 pub struct Capture {
     guidance: Guidance,
-    judge: Judge,
+    gates: Judge,
     /// Judges what a browser films, beside the photos of the source.
     film: Option<Judge>,
     store: Store,
     camera: Camera,
     variant: String,
     place: String,
-    /// Whether frames of a stream are taken by themselves.
-    pub is_auto: bool,
-    /// The target that the last frames of a stream were fit for, and how many were.
-    held: Option<(usize, u32)>,
+    /// Last frames of a stream, fit for one target.
+    run: SteadyRun,
     camera_settings: Option<CameraSettings>,
 }
 
@@ -59,27 +43,26 @@ impl Capture {
     pub fn new(guidance: Guidance, judge: Judge, store: Store, camera: Camera, variant: &str, place: &str) -> Capture {
         let mut capture = Capture {
             guidance,
-            judge,
+            gates: judge,
             film: None,
             store,
             camera,
             variant: variant.to_owned(),
             place: place.to_owned(),
-            is_auto: true,
-            held: None,
+            run: SteadyRun::default(),
             camera_settings: None,
         };
         capture.fill_from_store();
         capture
     }
 
-    /// With a judge of streams for what a browser films.
+    /// Adds a judge of streams for what a browser films.
     pub fn with_film(self, judge: Judge) -> Capture {
         let film = Some(judge);
         Capture { film, ..self }
     }
 
-    /// The camera file's.
+    /// Returns the camera of the camera file.
     pub fn camera(&self) -> &Camera {
         &self.camera
     }
@@ -88,7 +71,7 @@ impl Capture {
         &self.guidance
     }
 
-    /// Photos of this variant at this place.
+    /// Returns the photos of this variant at this place.
     fn own(&self) -> impl DoubleEndedIterator<Item = &Sidecar> {
         let is_own = |photo: &PhotoEntry| photo.variant == self.variant && photo.place.as_ref() == Some(&self.place);
         let accepted = self.store.accepted().iter();
@@ -110,7 +93,12 @@ impl Capture {
         }
     }
 
-    /// What the camera was set to, for the sidecars of the photos that follow.
+    /// Takes frames of a stream by hand only, from now on.
+    pub fn take_by_hand_only(&mut self) {
+        self.run.is_auto = false;
+    }
+
+    /// Sets the camera's settings, for the sidecars of the photos that follow.
     pub fn set_camera_settings(&mut self, settings: Option<CameraSettings>) {
         self.camera_settings = settings;
     }
@@ -120,7 +108,7 @@ impl Capture {
     /// # Errors
     /// The photo cannot be written. Frames are never errors.
     pub fn see(&mut self, frame: &SourceFrame) -> Result<FrameAnswer, StoreError> {
-        self.look(frame, Taking::ByItself)
+        self.judge(frame, Taking::ByItself)
     }
 
     /// Takes a frame by hand: it need only be located and on a target, whatever its light, focus and steadiness; its sidecar says so. Of a
@@ -129,12 +117,12 @@ impl Capture {
     /// # Errors
     /// As [`Capture::see`].
     pub fn shoot(&mut self, frame: &SourceFrame) -> Result<FrameAnswer, StoreError> {
-        self.look(frame, Taking::ByHand)
+        self.judge(frame, Taking::ByHand)
     }
 
-    /// Judges a frame that a browser films as those of a stream are. One of the small ones is never taken. Whether the next should come
+    /// Judges a frame that a browser films as those of a stream are. One of the small ones is never taken. Returns true if the next should come
     /// whole, since it would be taken if all gates still hold. It was filmed `after_ms` after the last one.
-    pub(crate) fn filmed(
+    pub(crate) fn judge_filmed(
         &mut self,
         frame: &SourceFrame,
         taking: Taking,
@@ -143,22 +131,22 @@ impl Capture {
         // The judge of films stands in for that of photos.
         let swap = |capture: &mut Capture| {
             if let Some(film) = &mut capture.film {
-                std::mem::swap(&mut capture.judge, film);
+                std::mem::swap(&mut capture.gates, film);
             }
         };
         swap(self);
-        self.judge.filmed_after(after_ms);
-        let answer = self.look(frame, taking);
+        self.gates.filmed_after(after_ms);
+        let answer = self.judge(frame, taking);
         swap(self);
-        let wants_whole = self.held.is_some_and(|(_, frames)| frames + 1 >= HELD_FRAMES);
-        Ok((answer?, wants_whole))
+        Ok((answer?, self.run.lacks_one()))
     }
 
-    pub(crate) fn look(&mut self, frame: &SourceFrame, taking: Taking) -> Result<FrameAnswer, StoreError> {
+    /// Judges a frame, and takes it as `taking` says.
+    pub(crate) fn judge(&mut self, frame: &SourceFrame, taking: Taking) -> Result<FrameAnswer, StoreError> {
         let (luma, turned_deg) = match self.luma(frame) {
             Ok(luma) => luma,
             Err(advice) => {
-                self.held = None;
+                self.run.end();
                 return Ok(FrameAnswer {
                     size_px: [0, 0],
                     viewpoint: None,
@@ -170,20 +158,15 @@ impl Capture {
                 });
             }
         };
-        let mut judgement = self.judge.judge(&luma, turned_deg, &self.camera, &self.guidance);
-        let is_by_hand = taking == Taking::ByHand;
-        let held = self.hold(&judgement.verdict, taking);
-        if self.judge.is_stream() && (is_by_hand || held.is_ok()) {
-            let (camera, guidance) = (&self.camera, &self.guidance);
-            judgement = self.judge.confirm(judgement, &luma, turned_deg, camera, guidance);
-        }
-        let target = match (is_by_hand, held) {
-            (true, _) => judgement.place,
-            (false, Ok(())) => judgement.verdict,
-            (false, Err(advice)) => Err(advice),
-        };
-        let verdict = match (target, &judgement.located) {
-            (Ok(target), Some(located)) => self.accept(frame, target, located, judgement.measures, is_by_hand)?,
+        let (camera, guidance) = (&self.camera, &self.guidance);
+        let judgement = self
+            .gates
+            .decide(&luma, turned_deg, camera, guidance, taking, &mut self.run);
+        let verdict = match (judgement.verdict, &judgement.located) {
+            (Ok(target), Some(located)) => {
+                let is_by_hand = taking == Taking::ByHand;
+                self.accept(frame, target, located, judgement.measures, is_by_hand)?
+            }
             (Ok(_), None) => Err(Advice::NoTags), // a frame on target is located
             (Err(advice), _) => Err(advice),
         };
@@ -203,7 +186,7 @@ impl Capture {
         })
     }
 
-    /// The luma of a frame that may be judged, and how far EXIF turned it, degrees.
+    /// Returns the luma of a frame that may be judged, and its turn by EXIF, degrees.
     fn luma(&self, frame: &SourceFrame) -> Result<(GrayImage, u32), Advice> {
         match &frame.original {
             Original::Unreadable(sentence) => Err(Advice::Unreadable(sentence.clone())),
@@ -214,7 +197,7 @@ impl Capture {
                     return Err(known);
                 }
                 let luma = photo.and_then(|photo| Ok((photo.luma()?, photo.turned_deg)));
-                let is_one_of_many = self.judge.is_stream();
+                let is_one_of_many = self.gates.is_stream();
                 luma.map_err(|e| Advice::Unreadable(if is_one_of_many { DAMAGED.into() } else { e.to_string() }))
             }
         }
@@ -224,24 +207,6 @@ impl Capture {
         let taken_back = self.store.was_taken_back(sha256).then_some(Advice::TakenBack);
         let photo = self.store.named(sha256).map(str::to_owned);
         photo.map(|photo| Advice::Repeated { photo }).or(taken_back)
-    }
-
-    /// Whether a frame may be taken by itself, by its verdict and those of the frames before it.
-    fn hold(&mut self, verdict: &Result<usize, Advice>, taking: Taking) -> Result<(), Advice> {
-        let before = self.held.take();
-        let target = *verdict.as_ref().map_err(Advice::clone)?;
-        if !self.judge.is_stream() {
-            return Ok(());
-        }
-        if !self.is_auto {
-            return Err(Advice::Ready);
-        }
-        let frames = 1 + before.filter(|(of, _)| *of == target).map_or(0, |(_, frames)| frames);
-        if frames >= HELD_FRAMES && taking != Taking::Never {
-            return Ok(());
-        }
-        self.held = Some((target, frames));
-        Err(Advice::Hold)
     }
 
     fn accept(
@@ -285,7 +250,7 @@ impl Capture {
         Ok(Ok((written?, target)))
     }
 
-    /// Takes back the photo of this variant and place that was accepted last; its name, if there is one.
+    /// Takes back the photo of this variant and place that was accepted last; returns its name, if there is one.
     ///
     /// # Errors
     /// Files that cannot be moved.
@@ -297,7 +262,7 @@ impl Capture {
         Ok(last)
     }
 
-    /// Takes back the photos of this variant and place in the bins that `is_meant` names; their names.
+    /// Takes back the photos of this variant and place in the bins that `is_meant` names; returns their names.
     ///
     /// # Errors
     /// Files that cannot be moved.
@@ -319,7 +284,7 @@ impl Capture {
     }
 }
 
-/// The bytes to keep of a frame, and the ending of their name.
+/// Returns the bytes to keep of a frame, and the extension of their file name.
 fn file_of(original: &Original) -> Result<(Vec<u8>, &'static str), String> {
     match original {
         Original::Unreadable(sentence) => Err(sentence.clone()),

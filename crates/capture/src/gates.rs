@@ -1,10 +1,11 @@
-//! What must hold of a frame before it is taken: located, on target, sharp, well exposed, steady.
+//! Gates that a frame must pass before it is taken: located, on target, sharp, well exposed, steady.
 
 use image::GrayImage;
 use serde::{Deserialize, Serialize};
 
 use super::advice::Advice;
 use super::guidance::Guidance;
+use super::steady::{SteadyRun, Taking};
 use scaleproof_core::geometry::{Rigid, distance, extent};
 use scaleproof_core::statistics::upper_median;
 use scaleproof_pose::camera::Camera;
@@ -26,13 +27,13 @@ pub const MAX_WHITE: f64 = 250.0;
 pub const MAX_CLIPPED: f64 = 0.1;
 const CLIPPED: u8 = 254;
 
-/// How far tags may move from frame to frame, px in an image 1280 px long.
+/// Largest motion of tags from frame to frame, px in an image 1280 px long.
 pub const MAX_MOVED_PX: f64 = 2.0;
 
-/// The frame after so many that were looked at from the last pose is searched as a whole.
+/// Maximum number of frames in a row in which tags are searched near the last pose only.
 const MOST_TRACKED: u32 = 10;
 
-/// Of frames in a row in which the fast search finds no pose, each so-manieth is searched by every means: at once would keep somebody who
+/// Of frames in a row in which the fast search finds no pose, every 4th is searched by every means: at once would keep somebody who
 /// points the camera elsewhere waiting.
 const UNANSWERED: u32 = 4;
 
@@ -40,7 +41,7 @@ const UNANSWERED: u32 = 4;
 const DARK_MEAN: f64 = 25.0;
 const BRIGHT_MEAN: f64 = 230.0;
 
-/// What was measured of a frame, as its sidecar has it.
+/// Measurements of a frame, as stored in its sidecar.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Measures {
@@ -54,17 +55,17 @@ pub struct Measures {
     pub moved_px: Option<f64>,
 }
 
-/// What a frame shows, and what follows from it.
+/// Findings in a frame, and the verdict on it.
 #[derive(Debug, Clone)]
 pub struct FrameJudgement {
     pub seen: Vec<SeenTag>,
     pub located: Option<Located>,
     pub measures: Measures,
-    /// What to know before believing the pose, as sentences.
+    /// Cautions about the pose, as sentences.
     pub cautions: Vec<String>,
-    /// The target the frame stands at, whatever its light, focus and steadiness, or what keeps it from one.
+    /// Target at which the frame was taken, whatever its light, focus and steadiness, or the advice that leads to one.
     pub place: Result<usize, Advice>,
-    /// The target the frame may fill, or what keeps it from that.
+    /// Target that the frame may fill, or the advice on the first gate that it fails.
     pub verdict: Result<usize, Advice>,
 }
 
@@ -78,11 +79,11 @@ pub struct Judge {
     /// Tags of the frame that was judged last, and of the one before it.
     last: Vec<SeenTag>,
     before: Vec<SeenTag>,
-    /// Of the frame that was judged last, px: of a film, small frames come before one that is kept.
+    /// Width of the frame that was judged last, px: of a film, small frames come before one that is kept.
     last_width: u32,
-    /// How much later than the last frame of a running camera the one that is judged came: 1 unless said otherwise.
+    /// Time since the last frame, in intervals of 50 ms; 1 unless set by [`Judge::filmed_after`].
     intervals: f64,
-    /// Where the camera stood in the frame before, and how many frames have followed it.
+    /// Pose of the frame before, and the number of frames tracked since the last whole search.
     pose: Option<Rigid>,
     tracked: u32,
     /// Frames of a stream without a pose since the last one that had one.
@@ -90,7 +91,7 @@ pub struct Judge {
 }
 
 impl Judge {
-    /// `is_stream`: [`super::FrameSource::is_stream`].
+    /// Creates a judge; `is_stream` as of [`super::FrameSource::is_stream`].
     ///
     /// # Errors
     /// The tag detector does not start.
@@ -115,13 +116,13 @@ impl Judge {
         })
     }
 
-    /// Says how long after the last frame the next one was filmed. The limit of motion is one for a running camera, whose frames come every 50 ms;
-    /// after five times that the way no longer tells how steadily it was gone.
+    /// Sets the time between the last frame and the next, ms. The limit of motion is one for a running camera, whose frames come every 50 ms;
+    /// after five times that the distance no longer tells the speed.
     pub fn filmed_after(&mut self, ms: u32) {
         self.intervals = (f64::from(ms) / 50.0).clamp(1.0, 5.0);
     }
 
-    /// Whether the frames are those of a stream.
+    /// Returns true if the frames are those of a stream.
     pub fn is_stream(&self) -> bool {
         self.is_stream
     }
@@ -163,23 +164,35 @@ impl Judge {
         judgement
     }
 
-    /// Judges the same frame again, before it is taken, by the tag detector whose poses are kept.
-    pub fn confirm(
+    /// Judges a frame, and decides if it is taken: of a stream, when all gates have held for a moment, and still do by the tag detector whose
+    /// poses are kept.
+    pub(crate) fn decide(
         &mut self,
-        first: FrameJudgement,
         luma: &GrayImage,
         turned_deg: u32,
         camera: &Camera,
         guidance: &Guidance,
+        taking: Taking,
+        run: &mut SteadyRun,
     ) -> FrameJudgement {
-        if self.live.is_none() {
-            return first;
+        let mut judgement = self.judge(luma, turned_deg, camera, guidance);
+        let is_by_hand = taking == Taking::ByHand;
+        if !self.is_stream {
+            run.end();
+        } else if let (Err(advice), false) = (run.add(&judgement.verdict, taking), is_by_hand) {
+            judgement.verdict = Err(advice);
+            return judgement;
+        } else if self.live.is_some() {
+            let photo = locate_luma(luma, turned_deg, None, &self.scene, camera, self.tags.as_mut());
+            judgement = self.weigh(photo, luma, guidance);
         }
-        let photo = locate_luma(luma, turned_deg, None, &self.scene, camera, self.tags.as_mut());
-        self.weigh(photo, luma, guidance)
+        if is_by_hand {
+            judgement.verdict = judgement.place.clone();
+        }
+        judgement
     }
 
-    /// What follows from what a frame shows.
+    /// Measures a located frame and judges it by the gates.
     fn weigh(&self, photo: LocatedPhoto, grey: &GrayImage, guidance: &Guidance) -> FrameJudgement {
         let (seen, located) = (photo.seen, photo.result);
         let fitted = match photo.fitted {
@@ -264,7 +277,7 @@ fn enlarged(grey: &GrayImage) -> f64 {
     limit_scale([grey.width(), grey.height()])
 }
 
-/// The target that a viewpoint fills, or the way to one.
+/// Returns the target that a viewpoint fills, or the step to one.
 fn place(located: &Located, guidance: &Guidance) -> Result<usize, Advice> {
     let from = &located.viewpoint;
     let next = guidance.nearest_open(from).map(|i| (i, guidance.step(i, from)));
@@ -277,7 +290,7 @@ fn place(located: &Located, guidance: &Guidance) -> Result<usize, Advice> {
     }
 }
 
-/// Too dark or too bright.
+/// Returns advice on a frame that is too dark or too bright.
 fn light(measures: &Measures, seen: &[SeenTag], grey: &GrayImage) -> Option<Advice> {
     let (is_dark, is_bright) = match measures.white_level {
         Some(white) => (white < MIN_WHITE, white > MAX_WHITE),
@@ -292,7 +305,7 @@ fn light(measures: &Measures, seen: &[SeenTag], grey: &GrayImage) -> Option<Advi
     is_dark.then_some(Advice::TooDark).or(too_bright)
 }
 
-/// Blurred, or nothing to tell it by.
+/// Returns advice on a frame that is blurred, or whose blur cannot be measured.
 fn focus(appearance: &Appearance, seen: &[SeenTag], grey: &GrayImage) -> Option<Advice> {
     let enlarged = enlarged(grey);
     // Blur beyond what a tag's border can take hides the tags, or leaves them looking covered.
@@ -314,7 +327,7 @@ fn focus(appearance: &Appearance, seen: &[SeenTag], grey: &GrayImage) -> Option<
     }
 }
 
-/// The share of white pixels in the upright rectangle about the model's box; `None` when it lies outside the image.
+/// Returns the share of white pixels in the upright rectangle about the model's box; `None` when it lies outside the image.
 fn clipped_share(grey: &GrayImage, scene: &Scene, pose: &Rigid, camera: &Camera) -> Option<f64> {
     let corners = scene.model.box_corners_mm().into_iter();
     let corners: Vec<[f64; 2]> = corners.filter_map(|corner| camera.project(&(pose * corner))).collect();
@@ -329,7 +342,7 @@ fn clipped_share(grey: &GrayImage, scene: &Scene, pose: &Rigid, camera: &Camera)
     (pixels > 0).then(|| clipped as f64 / pixels as f64)
 }
 
-/// The median way of the corners of the tags that both frames show.
+/// Returns the median distance that the corners of tags moved between two frames, px; `None` without a tag in both.
 fn moved_px(last: &[SeenTag], seen: &[SeenTag]) -> Option<f64> {
     let pairs = seen.iter().filter_map(|tag| {
         let before = last.iter().find(|l| (l.family, l.id) == (tag.family, tag.id))?;
@@ -339,7 +352,7 @@ fn moved_px(last: &[SeenTag], seen: &[SeenTag]) -> Option<f64> {
     upper_median(&ways)
 }
 
-/// The nearest other tag that faces a similar way.
+/// Returns the nearest other tag that faces a similar direction.
 fn beside<'a>(tag: &Tag, scene: &'a Scene) -> Option<&'a Tag> {
     let normal = |tag: &Tag| tag.right.cross(&tag.up);
     let is_other = |other: &&Tag| (other.family, other.id) != (tag.family, tag.id);

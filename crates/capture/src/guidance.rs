@@ -1,4 +1,4 @@
-//! Which views are required, which are there, and the step from where the camera is to the next one.
+//! Required views, those that are filled, and the step from the camera's viewpoint to the next one.
 
 use std::fmt;
 use std::str::FromStr;
@@ -8,7 +8,7 @@ use serde::Serialize;
 use scaleproof_core::geometry::angle::turn;
 use scaleproof_pose::scene::{Bin, Bins, Viewpoint};
 
-/// How far a camera may be from its target.
+/// Largest deviation of a camera from its target.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Tolerance {
     pub azimuth_deg: f64,
@@ -35,7 +35,7 @@ impl fmt::Display for Target {
 }
 
 impl Target {
-    /// Where to stand, as people say it.
+    /// Returns the viewpoint in words.
     pub fn in_words(&self) -> String {
         let v = &self.viewpoint;
         let side = match v.azimuth_deg.round().rem_euclid(360.0) {
@@ -49,7 +49,7 @@ impl Target {
     }
 }
 
-/// What brings a camera to its target, the largest part of it first. Amounts are signed.
+/// Step that brings a camera to its target: its largest part. Amounts are signed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NextMove {
     /// To a larger azimuth, degrees: counter-clockwise seen from above, which is to the right for somebody who faces the model.
@@ -69,7 +69,7 @@ pub struct Guidance {
 }
 
 impl Guidance {
-    /// Targets at these viewpoints, in their order.
+    /// Creates targets at these viewpoints, in their order.
     pub fn at(viewpoints: &[Viewpoint], tolerance: Tolerance, bins: &Bins) -> Guidance {
         let target = |viewpoint: &Viewpoint| Target {
             viewpoint: *viewpoint,
@@ -87,12 +87,12 @@ impl Guidance {
         &self.targets
     }
 
-    /// How many targets are filled, and how many there are.
+    /// Returns the numbers of filled targets and of all.
     pub fn filled_of_all(&self) -> (usize, usize) {
         (self.targets.len() - self.open().count(), self.targets.len())
     }
 
-    /// The step between the scene's azimuth bins.
+    /// Returns the step between the scene's azimuth bins, deg.
     pub fn azimuth_step_deg(&self) -> f64 {
         self.bins.azimuth_deg
     }
@@ -117,19 +117,19 @@ impl Guidance {
         }
     }
 
-    /// The open target nearest to a viewpoint, each part measured by its tolerance.
+    /// Returns the open target nearest to a viewpoint, each part measured by its tolerance.
     pub fn nearest_open(&self, from: &Viewpoint) -> Option<usize> {
         let open = (0..self.targets.len()).filter(|i| self.targets[*i].photo.is_none());
         open.min_by(|a, b| self.offset(*a, from).total_cmp(&self.offset(*b, from)))
     }
 
-    /// The filled target that a viewpoint would fill as well.
+    /// Returns the filled target that a viewpoint would fill as well.
     pub fn filled_at(&self, from: &Viewpoint) -> Option<&Target> {
         let mut filled = (0..self.targets.len()).filter(|i| self.targets[*i].photo.is_some());
         filled.find(|i| self.step(*i, from).is_none()).map(|i| &self.targets[i])
     }
 
-    /// The step that is missing most, by its tolerance; `None` when the target is reached.
+    /// Returns the step that is missing most, by its tolerance; `None` when the target is reached.
     pub fn step(&self, index: usize, from: &Viewpoint) -> Option<NextMove> {
         let target = &self.targets[index];
         let parts = self.parts(index, from);
@@ -146,13 +146,13 @@ impl Guidance {
         })
     }
 
-    /// How far a viewpoint is from a target, in tolerances: up to 1 within them.
+    /// Returns the largest deviation of a viewpoint from a target, in tolerances: up to 1 within them.
     pub fn off_by(&self, index: usize, from: &Viewpoint) -> f64 {
         let parts = self.parts(index, from);
         parts.iter().fold(0.0, |most, part| part.abs().max(most))
     }
 
-    /// What is missing of azimuth, distance and pitch, in tolerances.
+    /// Returns the deviations of azimuth, distance and elevation, in tolerances.
     fn parts(&self, index: usize, from: &Viewpoint) -> [f64; 3] {
         let (to, tolerance) = (&self.targets[index].viewpoint, &self.tolerance);
         [
@@ -198,7 +198,7 @@ impl FromStr for BinName {
 }
 
 impl BinName {
-    /// Whether it names this bin.
+    /// Returns true if it names this bin.
     pub fn names(&self, bin: &Bin) -> bool {
         let [pitch_deg, distance_mm] = self.pitch_and_distance.unwrap_or([bin.pitch_deg, bin.distance_mm]);
         *bin == Bin {
@@ -210,7 +210,7 @@ impl BinName {
 }
 
 impl Tolerance {
-    /// For targets in the middle of bins: a sixth of the azimuth step but 8° at most, 6°, and a tenth of the nearest distance. The stored
+    /// Returns the tolerance of targets in the middle of bins: a sixth of the azimuth step but 8° at most, 6°, and a tenth of the nearest distance. The stored
     /// session, taken by hand as it were, is off by up to 5°, 4° and 7 %.
     pub fn of_bins(bins: &Bins, distances_mm: &[f64]) -> Tolerance {
         Tolerance {
@@ -220,7 +220,7 @@ impl Tolerance {
         }
     }
 
-    /// For targets that are the viewpoints of other photos, so that pairs differ by little: 3°, 3°, and a twentieth of the distance.
+    /// Returns the tolerance of targets that are the viewpoints of other photos, so that pairs differ by little: 3°, 3°, and a twentieth of the distance.
     pub fn of_pairs(viewpoints: &[Viewpoint]) -> Tolerance {
         let distances: Vec<f64> = viewpoints.iter().map(|v| v.distance_mm).collect();
         Tolerance {

@@ -1,7 +1,7 @@
 //! Guided capture: frames in, advice out, and a session that holds one good photo of each required view; and its [`page`] in a browser.
 //!
-//! A frame goes through `gates` (tags, pose, focus, light, steadiness) and `guidance` (the nearest view still required); what
-//! holds is taken at once by `store`, and a refused frame gets one sentence of `advice`. No clock is read: photos are ordered by their
+//! A frame goes through `gates` (tags, pose, focus, light, steadiness) and `guidance` (the nearest view still required); one that
+//! passes is stored at once (`store`), and a refused frame gets one sentence of `advice`. No clock is read: photos are ordered by their
 //! numbers.
 //!
 //! ```
@@ -25,6 +25,7 @@ pub mod page; // the capture in a browser
 pub mod pair; // another session's viewpoints as required views
 mod recover; // what an interrupted capture left, finished
 mod source; // where frames come from
+mod steady; // frames in a row that are fit for the same target
 mod store; // the session that is filled
 
 pub use advice::Advice;

@@ -1,4 +1,4 @@
-//! The viewpoints of another session's photos, as targets: pairs then differ in the texture alone.
+//! Viewpoints of another session's photos, as targets: pairs then differ in the texture alone.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -14,7 +14,7 @@ use scaleproof_session::{PhotoEntry, Session, SessionError};
 /// The variant that is paired with where a session has several.
 pub const NORMAL: &str = "normal";
 
-/// Why a session gives no targets.
+/// Reason why a session gives no targets.
 #[derive(Debug, thiserror::Error)]
 pub enum PairError {
     #[error(transparent)]
@@ -25,7 +25,7 @@ pub enum PairError {
     Message(#[from] Message),
 }
 
-/// Viewpoints of a session's `normal` photos, or of the only variant it has; and what is wrong with photos that have none.
+/// Returns the viewpoints of a session's `normal` photos, or of the only variant it has; and the faults of photos that have none.
 ///
 /// # Errors
 /// A session that cannot be opened, that leaves the variant open, or of which no photo has a viewpoint.
@@ -62,10 +62,10 @@ pub fn viewpoints(session: &Path, tags: TagDetectorChoice) -> Result<(Vec<Viewpo
     }
 }
 
-/// The viewpoint of a session's photo: the one it names, or by its tags.
+/// Returns the viewpoint of a session's photo: the one it names, or by its tags.
 ///
 /// # Errors
-/// Why it has none, as a sentence.
+/// Reason why it has none, as a sentence.
 pub fn viewpoint(session: &Session, photo: &PhotoEntry, tags: &mut dyn TagDetector) -> Result<Viewpoint, String> {
     if let Some(known) = photo.viewpoint {
         return Ok(known);

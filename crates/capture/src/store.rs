@@ -21,7 +21,7 @@ use scaleproof_session as session;
 use scaleproof_session::filling::{self, FillingError};
 use scaleproof_session::{PhotoEntry, SessionError};
 
-/// Why a session cannot be filled.
+/// Reason why a session cannot be filled.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
     #[error(transparent)]
@@ -34,20 +34,20 @@ pub enum StoreError {
     Message(#[from] Message),
 }
 
-/// What is kept of an accepted photo beside it, as `NAME.capture.json`.
+/// Facts about an accepted photo, stored beside it as `NAME.capture.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[allow(non_snake_case)]
 pub struct Sidecar {
-    /// As `session.json` has it.
+    /// Entry of `session.json`.
     pub photo: PhotoEntry,
     /// SHA-256 of the photo, hex.
     pub sha256: String,
-    /// What the source called it.
+    /// Name that the source gave it.
     pub source: String,
-    /// The view that was required.
+    /// View that was required.
     pub target: Viewpoint,
-    /// From where it was taken.
+    /// Viewpoint from which it was taken.
     pub viewpoint: Viewpoint,
     pub sigma: Sigma,
     pub T_camera_model: [[f64; 4]; 4],
@@ -58,7 +58,7 @@ pub struct Sidecar {
     /// Taken by hand: light, focus and steadiness need not have held.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub is_by_hand: bool,
-    /// What the camera was set to, where the source knows.
+    /// Settings of the camera, where the source knows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub camera: Option<CameraSettings>,
 }
@@ -77,9 +77,9 @@ pub struct Store {
     pub(super) accepted: Vec<Sidecar>,
     /// Photos in folders of the session, which something else listed, as `session from-video`: they stay.
     pub(super) others: Vec<PhotoEntry>,
-    /// SHA-256 of what was taken back.
+    /// SHA-256 of the photos that were taken back.
     pub(super) taken_back: Vec<String>,
-    /// The number of the next photo; numbers are never used again.
+    /// Number of the next photo; numbers are never used again.
     pub(super) next: u64,
     _lock: File,
 }
@@ -123,18 +123,18 @@ impl Store {
         })
     }
 
-    /// Accepted photos, in the order they were accepted.
+    /// Returns the accepted photos, in the order they were accepted.
     pub fn accepted(&self) -> &[Sidecar] {
         &self.accepted
     }
 
-    /// The accepted photo with this content.
+    /// Returns the name of the accepted photo with this content.
     pub fn named(&self, sha256: &str) -> Option<&str> {
         let known = self.accepted.iter().find(|sidecar| sidecar.sha256 == sha256)?;
         Some(&known.photo.file)
     }
 
-    /// Whether the photo with this content was taken back.
+    /// Returns true if the photo with this content was taken back.
     pub fn was_taken_back(&self, sha256: &str) -> bool {
         self.taken_back.iter().any(|known| known == sha256)
     }
@@ -198,13 +198,13 @@ impl Store {
     }
 }
 
-/// The name of a photo's sidecar.
+/// Returns the name of a photo's sidecar.
 pub fn sidecar_of(photo: &str) -> String {
     let stem = photo.rsplit_once('.').map_or(photo, |(stem, _)| stem);
     format!("{stem}{SIDECAR}")
 }
 
-/// A variant as the beginning of a file name: ASCII letters and digits, and dashes for all else, but none at the ends: programs take a name
+/// Returns a variant as the beginning of a file name: ASCII letters and digits, and dashes for all else, but none at the ends: programs take a name
 /// that begins with one for an option.
 pub fn slug(variant: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
@@ -215,7 +215,7 @@ pub fn slug(variant: &str) -> String {
     }
 }
 
-/// A folder with files that no capture has begun is somebody's: nothing in it may be taken for a photo of ours.
+/// Refuses a folder with files that no capture has begun: nothing in it may be taken for a photo of ours.
 fn refuse_foreign(folder: &Path) -> Result<(), StoreError> {
     let there = names(folder)?;
     if there.iter().any(|name| name == SESSION || name == filling::MARK)
@@ -227,7 +227,7 @@ fn refuse_foreign(folder: &Path) -> Result<(), StoreError> {
     Err(FileError::content(folder, why).into())
 }
 
-/// Whether a file has a name that this store gives to photos of one of these textures.
+/// Returns true if a file has a name that this store gives to photos of one of these textures.
 pub(super) fn is_ours<'a>(name: &str, variants: impl IntoIterator<Item = &'a str>) -> bool {
     let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
     let number = number(name).filter(|_| !name.ends_with(SIDECAR));
@@ -237,7 +237,7 @@ pub(super) fn is_ours<'a>(name: &str, variants: impl IntoIterator<Item = &'a str
     })
 }
 
-/// The number at the end of a name that this store gave.
+/// Returns the number at the end of a name that this store gave.
 pub(super) fn number(name: &str) -> Option<u64> {
     let endings = [SIDECAR, ".jpg", ".png"];
     let stem = endings.iter().find_map(|ending| name.strip_suffix(ending))?;
@@ -259,7 +259,7 @@ fn keep_copy(from: &Path, folder: &Path, name: &str, what: &'static str, is_new:
     bail!("{folder} was captured with another {what}: give that one, or capture into a new folder")
 }
 
-/// Sidecars of a folder by the name of their photo.
+/// Reads the sidecars of a folder, by the name of their photo.
 pub(super) fn sidecars(folder: &Path) -> Result<BTreeMap<String, Sidecar>, StoreError> {
     let mut found = BTreeMap::new();
     for name in names(folder)?.into_iter().filter(|name| name.ends_with(SIDECAR)) {
@@ -277,7 +277,7 @@ pub(super) fn sidecars(folder: &Path) -> Result<BTreeMap<String, Sidecar>, Store
     Ok(found)
 }
 
-/// The names in a folder, sorted; none when it is missing.
+/// Returns the names in a folder, sorted; none when it is missing.
 pub(super) fn names(folder: &Path) -> Result<Vec<String>, StoreError> {
     if !folder.exists() {
         return Ok(Vec::new());

@@ -59,7 +59,7 @@ pub struct Annotation<A, C: Default = IgnoredAny> {
     pub attributes: Option<A>,
 }
 
-/// What some boxes are called.
+/// Category of boxes.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Category {
     #[serde(deserialize_with = "whole")]

@@ -7,12 +7,12 @@ pub trait LeastSquares: Sized {
     /// Sum of the (weighted) squared residuals.
     fn cost(&self) -> f64;
 
-    /// The problem where a step leads, with the normal equations' diagonal raised by the factor 1 + `damping`. `None` when the
+    /// Returns the problem where a step leads, with the normal equations' diagonal raised by the factor 1 + `damping`. `None` when the
     /// equations have no solution, or when it leads out of the domain.
     fn stepped(&self, damping: f64) -> Option<Self>;
 }
 
-/// When to stop.
+/// Stopping conditions.
 pub struct Limits {
     pub first_damping: f64,
     /// Steps that are tried, those that are refused included.
@@ -30,7 +30,7 @@ const ROUNDING: f64 = 1e-15;
 /// Damping below the rounding of the equations has no effect.
 const LEAST_DAMPING: f64 = 1e-12;
 
-/// The problem at the minimum near `start`: steps that raise the cost are refused and repeated with ten times the damping.
+/// Returns the problem at the minimum near `start`: steps that raise the cost are refused and repeated with ten times the damping.
 pub fn minimise<P: LeastSquares>(start: P, limits: &Limits) -> P {
     let (mut at, mut damping) = (start, limits.first_damping);
     for _ in 0..limits.most_trials {

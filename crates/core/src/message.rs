@@ -85,7 +85,7 @@ impl Error for Message {
     }
 }
 
-/// What to do about an error, as one part of a sentence.
+/// Remedy of an error, as one part of a sentence.
 ///
 /// Settings stand in it by their names in the library, in guillemets: the command line shows `‹detector_timeout›` as `--detector-timeout`, and
 /// Python as `detector_timeout=`. Among the sources of an error a hint comes right behind what it is about, so that enums with a transparent

@@ -8,12 +8,12 @@ pub fn hint<'a>(text: &str, known: impl IntoIterator<Item = &'a str>) -> String 
     nearest(text, known).map_or_else(String::new, |name| format!("; did you mean {name}?"))
 }
 
-/// A number of things: `1 photo`, `2 photos`.
+/// Formats a number of things: `1 photo`, `2 photos`.
 pub fn count(number: usize, one: &str) -> String {
     format!("{number} {one}{}", choose(number, "", "s"))
 }
 
-/// So many digits behind the point, a five rounded away from zero as papers do; no minus before a zero.
+/// Formats a number with `behind` decimal places, a five rounded away from zero as papers do; no minus before a zero.
 pub fn digits(value: f64, behind: usize) -> String {
     let scale = 10_f64.powi(behind as i32);
     // What is a five to twelve digits is one: 100 · 0.0875 is not always 8.75.
@@ -27,7 +27,7 @@ pub fn list(ids: &[u32]) -> String {
     ids.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
 }
 
-/// A word as a shell takes it.
+/// Quotes a word for a shell.
 pub fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_alphanumeric() || "._-/=+:,@%".contains(c);
     if word.chars().all(is_plain) && !word.is_empty() {
@@ -37,12 +37,12 @@ pub fn quoted(word: &str) -> String {
     }
 }
 
-/// The word for one thing, or that for several.
+/// Returns the word for one thing, or that for several.
 pub fn choose<'a>(number: usize, one: &'a str, several: &'a str) -> &'a str {
     if number == 1 { one } else { several }
 }
 
-/// The only name that fewest edits make of `text`, no more than one for every three letters of it; else the only one that begins
+/// Returns the only name that fewest edits make of `text`, no more than one for every three letters of it; else the only one that begins
 /// with it. Upper and lower case are the same.
 pub fn nearest<'a>(text: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let known: Vec<&str> = known.into_iter().collect();

@@ -11,15 +11,15 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
 
-/// How long work is measured before one run tells its time, ms.
+/// Time for which work is measured before one run counts, ms.
 const LONG_ENOUGH_MS: f64 = 50.0;
 
-/// How many threads to use: one a core.
+/// Returns the number of threads to use: one a core.
 pub fn thread_count() -> usize {
     std::thread::available_parallelism().map_or(1, |n| n.get())
 }
 
-/// [`map_over`] with one thread a core.
+/// Maps items as [`map_over`], with one thread a core.
 pub fn map<T: Sync, S, R: Send, E: Send>(
     items: &[T],
     make_state: impl Fn() -> Result<S, E> + Sync,
@@ -29,7 +29,7 @@ pub fn map<T: Sync, S, R: Send, E: Send>(
     map_over(thread_count(), items, make_state, work, on_done)
 }
 
-/// [`map`] of work that needs no state and cannot fail.
+/// Maps items as [`map`], by work that needs no state and cannot fail.
 pub fn each<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
     let Ok(done) = map(items, || Ok(()), |(), item| Ok::<_, Infallible>(work(item)), || ());
     done
@@ -90,7 +90,7 @@ pub fn map_over<T: Sync, S, R: Send, E: Send>(
     done.into_iter().map(|(_, result)| result).collect()
 }
 
-/// The result of some work, and the milliseconds the fastest of three runs took: what else the machine does only ever adds. Work that has taken
+/// Returns the result of some work, and the milliseconds the fastest of three runs took: what else the machine does only ever adds. Work that has taken
 /// [`LONG_ENOUGH_MS`] is not done again: an interruption is a small part of that.
 pub fn fastest<R>(mut work: impl FnMut() -> R) -> (R, f64) {
     let mut run = || {

@@ -371,7 +371,7 @@ fn stem(name: &str) -> String {
     name.rsplit_once('.').map_or(name, |(stem, _)| stem).to_owned()
 }
 
-/// The contact sheet and the coverage plot of the photos in a folder, beside it.
+/// Returns the contact sheet and the coverage plot of the photos in a folder, beside it.
 fn pictures(photos: &Path) -> [PathBuf; 2] {
     let inside = files::name_of(photos);
     ["contact.png", "coverage.svg"].map(|ending| photos.with_file_name(format!("{inside}.{ending}")))

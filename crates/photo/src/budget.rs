@@ -4,7 +4,7 @@
 //! pixel again. So five values are bounded: the file's bytes, its pixels, the scans, the pixels times the scans (the time), and the memory for
 //! decoding. `docs/guide/limits.md` has the table, with the cost of the worst image within each budget.
 
-use super::problem::DecodeProblem;
+use super::error::DecodeProblem;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Budget {

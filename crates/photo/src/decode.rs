@@ -7,10 +7,10 @@ use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageFormat, RgbImage};
 
 use super::budget::{Budget, DecodeCost};
+use super::error::DecodeProblem;
 use super::exif_tags;
 use super::jpeg::{Coefficients, Colours, Frame, JpegError};
 use super::orientation::lies_across;
-use super::problem::DecodeProblem;
 
 /// Returns the kind of an HEIF file (ISO 23008-12, 10: its brands), by its initial `ftyp` box.
 pub(super) fn heif_kind(bytes: &[u8]) -> Option<&'static str> {

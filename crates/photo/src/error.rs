@@ -11,18 +11,50 @@ use scaleproof_core::spelling::quoted;
 pub enum PhotoError {
     #[error(transparent)]
     File(#[from] files::FileError),
-    #[error("{path} is not a JPEG or PNG image: use a photo straight from the camera", path = path.display())]
-    NotAnImage { path: PathBuf },
-    #[error("{}", heif_sentence(path, kind))]
-    Heif { path: PathBuf, kind: &'static str },
-    #[error("{path} ends in the middle of the image: copy it from the camera again", path = path.display())]
-    Truncated { path: PathBuf },
-    #[error("{path} has {size}: scale it down", path = path.display())]
-    TooLarge { path: PathBuf, size: String },
-    #[error("{path} is a JPEG of {scans} scans, which no camera writes and which take too long to decode: save it again", path = path.display())]
-    TooManyScans { path: PathBuf, scans: u64 },
-    #[error("{path} cannot be decoded ({reason}): copy it from the camera again", path = path.display())]
-    Damaged { path: PathBuf, reason: String },
+    #[error("{}", sentence(path, problem))]
+    Bytes { path: PathBuf, problem: DecodeProblem },
+}
+
+/// Fault in the bytes of an image, as a clause.
+#[derive(Debug, PartialEq, thiserror::Error)]
+pub enum DecodeProblem {
+    #[error("it is no image")]
+    NotAnImage,
+    #[error("it is an image of the kind {0}")]
+    Heif(&'static str),
+    #[error("it ends in the middle of the image")]
+    Truncated,
+    /// Size of the image, as a clause.
+    #[error("it has {0}")]
+    TooLarge(String),
+    #[error("it has {0} scans")]
+    TooManyScans(u64),
+    #[error("{0}")]
+    Damaged(String),
+}
+
+impl DecodeProblem {
+    pub(super) fn at(self, path: &Path) -> PhotoError {
+        let (path, problem) = (path.to_owned(), self);
+        PhotoError::Bytes { path, problem }
+    }
+}
+
+fn sentence(path: &Path, problem: &DecodeProblem) -> String {
+    let name = path.display();
+    match problem {
+        DecodeProblem::NotAnImage => format!("{name} is not a JPEG or PNG image: use a photo straight from the camera"),
+        DecodeProblem::Heif(kind) => {
+            let (a, remedy) = (if *kind == "AVIF" { "an" } else { "a" }, heif_remedy(path, kind));
+            format!("{name} is {a} {kind} image, for which this system has no decoder: {remedy}")
+        }
+        DecodeProblem::Truncated => format!("{name} ends in the middle of the image: copy it from the camera again"),
+        DecodeProblem::TooLarge(size) => format!("{name} has {size}: scale it down"),
+        DecodeProblem::TooManyScans(scans) => format!(
+            "{name} is a JPEG of {scans} scans, which no camera writes and which take too long to decode: save it again"
+        ),
+        DecodeProblem::Damaged(reason) => format!("{name} cannot be decoded ({reason}): copy it from the camera again"),
+    }
 }
 
 pub const IPHONE_TO_JPEG: &str = "set the iPhone to Settings › Camera › Formats › Most Compatible";
@@ -39,14 +71,5 @@ pub fn heif_remedy(path: &Path, kind: &str) -> String {
     format!(
         "{phone}install libheif's decoder (Debian: apt install libheif-examples), with which it is read as it is, or convert it with \
          `heif-dec {from} {to}` (on older systems heif-convert)"
-    )
-}
-
-fn heif_sentence(path: &Path, kind: &str) -> String {
-    let a = if kind == "AVIF" { "an" } else { "a" };
-    format!(
-        "{} is {a} {kind} image, for which this system has no decoder: {}",
-        path.display(),
-        heif_remedy(path, kind)
     )
 }

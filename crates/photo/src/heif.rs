@@ -5,7 +5,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use super::budget::Budget;
-use super::error::PhotoError;
+use super::error::{DecodeProblem, PhotoError};
 use scaleproof_core::files;
 
 /// Names of libheif's command, the newer one first: `heif-dec`.
@@ -22,10 +22,7 @@ pub fn reads_heif() -> bool {
 /// Decodes an HEIF file to an upright PNG; `None` if the system has no decoder for it.
 pub(super) fn as_png(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, PhotoError> {
     let Some(decoder) = decoder() else { return Ok(None) };
-    let failed = |reason: String| PhotoError::Damaged {
-        path: path.to_owned(),
-        reason,
-    };
+    let failed = |reason: String| DecodeProblem::Damaged(reason).at(path);
     let folder = own_folder().map_err(|e| failed(format!("no folder for decoding it: {e}")))?;
     let [from, to, first, complaint] = ["in.heic", "out.png", "out-1.png", "said"].map(|name| folder.path().join(name));
     std::fs::write(&from, bytes).map_err(|e| failed(format!("no room for decoding it: {e}")))?;

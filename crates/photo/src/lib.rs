@@ -27,7 +27,6 @@ mod luma; // luma where it is needed
 mod orientation; // turns between the sensor's image and the upright one
 mod perceptual; // a hash by which near-copies are found
 mod photo; // a photo: its file, its header, its pixels
-mod problem; // faults in the bytes of an image
 mod resample; // resizing as Pillow does
 mod resize; // resizing as OpenCV does, and for display
 
@@ -35,7 +34,7 @@ pub use budget::{Budget, DecodeCost};
 pub use cubic::{CubicTap, cubic_taps, opencv_cubic};
 pub use decode::open_png;
 pub use encode::{as_jpeg, preview_jpeg, sensor_jpeg, sensor_png};
-pub use error::{IPHONE_TO_JPEG, PhotoError, heif_remedy};
+pub use error::{DecodeProblem, IPHONE_TO_JPEG, PhotoError, heif_remedy};
 pub use exif_tags::{Lens, Shot};
 pub use heif::reads_heif;
 pub use jpeg::{REDUCTIONS, standard_huffman_tables};
@@ -43,6 +42,5 @@ pub use luma::{Luma, mean_squares};
 pub use orientation::turned_to_sensor;
 pub use perceptual::{PerceptualHash, bits_apart, perceptual_hash};
 pub use photo::Photo;
-pub use problem::DecodeProblem;
 pub use resample::{Filter, resampled};
 pub use resize::{boxed, doubled, fitting, grey_resized, opencv_linear, shrunk};

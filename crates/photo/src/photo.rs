@@ -7,12 +7,11 @@ use image::{GrayImage, RgbImage, imageops};
 
 use super::budget::Budget;
 use super::decode::{Header, heif_kind};
-use super::error::PhotoError;
+use super::error::{DecodeProblem, PhotoError};
 use super::exif_tags::{Lens, Shot};
 use super::jpeg::{Coefficients, Colours, REDUCTIONS};
 use super::luma::{JpegLuma, Luma};
 use super::orientation::{turned_deg, turned_to_sensor};
-use super::problem::DecodeProblem;
 use super::{exif_tags, heif, resize};
 use scaleproof_core::files;
 

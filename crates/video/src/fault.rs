@@ -1,9 +1,9 @@
-//! Why a video gave no (more) frames, each as one sentence.
+//! Reasons why a video gave no (more) frames.
 
 use scaleproof_core::files::FileError;
 use scaleproof_core::message::{Message, message};
 
-/// Why a video gave no (more) frames. `name` is what the input is called: a file's path, or a stream's address.
+/// Reason why a video gave no (more) frames. `name` is the input's: a file's path, or a stream's address.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum VideoError {

@@ -7,25 +7,25 @@ use std::time::Duration;
 
 use image::{GrayImage, RgbImage};
 
-use crate::log::{ELSEWHERE, Said, Teller, listen, plain};
+use crate::log::{ELSEWHERE, FrameLog, LogEvent, listen, plain};
 use crate::probe::{MOST_MEGAPIXELS, Range};
 use crate::program::{Running, command, drain, every_frame_option, version};
 use crate::{Video, VideoError};
 use scaleproof_core::message::message;
 
-/// So many frames wait between ffmpeg and whoever takes them, besides those that ffmpeg holds itself.
+/// Number of frames that wait to be taken, besides those that ffmpeg holds itself.
 const AHEAD: usize = 1;
 /// A header's length and the last frame's time differ by less than this, s, in a whole video: a second, and a fiftieth of the length.
 const SHORT_S: f64 = 1.0;
 const SHORT_SHARE: f64 = 0.02;
 
-/// So long before the frame that decoding begins with ffmpeg is sent, s: containers round times to a millisecond.
+/// Time by which ffmpeg seeks before the first frame, s: containers round times to a millisecond.
 const BEFORE_S: f64 = 0.001;
 
 /// A picture of 64 × 64 px takes some 0.1 s.
 const TRIED_WITHIN: Duration = Duration::from_secs(20);
 
-/// Which frames of a video, and how large.
+/// Selection of frames of a video, and their size.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Selection {
     /// The first time, s since the start.
@@ -34,18 +34,18 @@ pub struct Selection {
     pub to_s: Option<f64>,
     /// Every so-manieth frame, counted from the first of the video.
     pub every: u64,
-    /// At each of these, so many in a row.
+    /// Number of frames in a row at each step.
     pub in_a_row: u64,
     /// Only frames of these numbers, where given.
     pub numbers: Option<Vec<u64>>,
-    /// With `numbers`: a frame by its number and time, s, before which are none of them. Decoding begins there, or at the last frame before from which it can, instead of at the
+    /// Number and time, s, of a frame before all of `numbers`. Decoding begins there, or at the last frame before from which it can, instead of at the
     /// first frame of the video.
     pub begin: Option<(u64, f64)>,
     /// Reduced to this height, px; `None` for the full size.
     pub height: Option<u32>,
-    /// How long to wait for a frame before giving up.
+    /// Time to wait for a frame before giving up.
     pub patience: Duration,
-    /// Whether damage is an error: something that cannot be decoded, a video that breaks off. A stream loses packets, and ends when it ends.
+    /// True if damage is an error: something that cannot be decoded, a video that breaks off. A stream loses packets, and ends when it ends.
     pub is_whole: bool,
 }
 
@@ -66,19 +66,19 @@ impl Default for Selection {
 }
 
 impl Selection {
-    /// The frame that decoding begins with. Times are those of the whole video, which ffmpeg's filter does not know then.
+    /// Returns the frame that decoding begins with. Times are those of the whole video, which ffmpeg's filter does not know then.
     fn beginning(&self) -> Option<(u64, f64)> {
         let is_by_number = self.numbers.is_some() && self.every <= 1 && self.from_s <= 0.0 && self.to_s.is_none();
         self.begin.filter(|_| is_by_number)
     }
 
-    /// Whether a frame is one of them.
+    /// Returns true if a frame is selected.
     fn has(&self, number: u64, time_s: f64) -> bool {
         let is_named = self.numbers.as_ref().is_none_or(|numbers| numbers.contains(&number));
         is_named && number % self.every.max(1) < self.in_a_row && time_s >= self.from_s && !self.is_past(number, time_s)
     }
 
-    /// Whether neither this frame nor a later one is one of them.
+    /// Returns true if neither this frame nor a later one is selected.
     fn is_past(&self, number: u64, time_s: f64) -> bool {
         let last = self
             .numbers
@@ -87,7 +87,7 @@ impl Selection {
         self.to_s.is_some_and(|to| time_s > to) || last.is_some_and(|last| number > last)
     }
 
-    /// The size of a frame of these, px.
+    /// Returns the size of a frame of these, px.
     fn size(&self, video: &Video) -> [u32; 2] {
         let full = [video.width, video.height];
         let reduced = self.height.filter(|height| (1..video.height).contains(height));
@@ -97,7 +97,7 @@ impl Selection {
         })
     }
 
-    /// The choice as an expression of ffmpeg's filter `select`, by the same numbers as [`Selection::has`]; `None` for all frames.
+    /// Returns the choice as an expression of ffmpeg's filter `select`, by the same numbers as [`Selection::has`]; `None` for all frames.
     fn expression(&self) -> Option<String> {
         let mut terms = Vec::new();
         let first = self.beginning().map_or(0, |(number, _)| number);
@@ -129,22 +129,22 @@ impl Selection {
 /// One frame of a video.
 #[derive(Debug, Clone)]
 pub struct Frame<P> {
-    /// Its number in the video in the order of presentation; the first is 0.
+    /// Number in the video in the order of presentation; the first is 0.
     pub number: u64,
-    /// When it is shown, s since the start of the video.
+    /// Time at which it is shown, s since the start of the video.
     pub time_s: f64,
     /// The number of the last frame up to this one that decoding can begin with; 0 where none is known.
     pub key: u64,
     pub image: P,
 }
 
-/// What ffmpeg can write a frame as.
+/// Pixel format in which ffmpeg writes frames.
 pub trait Pixels: Sized + Send + 'static {
     /// ffmpeg's name of the format.
     const FORMAT: &'static str;
-    /// Bytes of an image of a width and height.
+    /// Returns the number of bytes of an image of a width and height.
     fn length(size: [u32; 2]) -> usize;
-    /// The image of a width and height; `None` when the bytes are not as many.
+    /// Returns the image of a width and height; `None` when the bytes are not as many.
     fn from_bytes(size: [u32; 2], bytes: Vec<u8>) -> Option<Self>;
 }
 
@@ -176,7 +176,7 @@ pub struct Frames<P> {
     selection: Selection,
     /// Length of what is to come by the header, s.
     expected_s: Option<f64>,
-    said: Receiver<Said>,
+    said: Receiver<LogEvent>,
     images: Receiver<P>,
     running: Running,
     /// The number of ffmpeg's first frame, and what its times lack, s; `None` until it came.
@@ -191,7 +191,7 @@ pub struct Frames<P> {
 }
 
 impl Video {
-    /// Luma of the frames, from black (0) to white (255). That of an HDR video is its signal as it is.
+    /// Decodes the frames' luma, from black (0) to white (255). That of an HDR video is its signal as it is.
     ///
     /// # Errors
     /// No ffmpeg. What is wrong with the video shows while it is decoded.
@@ -207,7 +207,7 @@ impl Video {
         Frames::start(self, selection, filter)
     }
 
-    /// Colours of the frames in sRGB. Those of an HDR video are converted: white paper (203 cd/m², ITU-R BT.2408) becomes white, and what is
+    /// Decodes the frames' colours in sRGB. Those of an HDR video are converted: white paper (203 cd/m², ITU-R BT.2408) becomes white, and what is
     /// brighter is white, too.
     ///
     /// # Errors
@@ -229,7 +229,7 @@ impl Video {
         Frames::start(self, selection, filter)
     }
 
-    /// The filter for luma as it is stored, in 8 bits. What ffmpeg makes of grey's range depends on its version, and a conversion takes it a fifth as
+    /// Returns the filter for luma as it is stored, in 8 bits. What ffmpeg makes of grey's range depends on its version, and a conversion takes it a fifth as
     /// long as decoding.
     fn stored_luma(&self, selection: &Selection) -> String {
         let is_as_stored = selection.height.is_none() && self.bits == 8;
@@ -237,7 +237,7 @@ impl Video {
         format!("{}extractplanes=y", converted.unwrap_or_default())
     }
 
-    /// The filter for size and colours.
+    /// Returns the filter for size and colours.
     pub(crate) fn scaled(&self, selection: &Selection) -> String {
         let [width, height] = selection.size(self);
         let (matrix, way) = match self.range {
@@ -254,7 +254,7 @@ impl Video {
 impl<P: Pixels> Frames<P> {
     /// Starts ffmpeg; `filter` gives frames their size and colours.
     pub(crate) fn start(video: &Video, selection: &Selection, filter: Filter) -> Result<Frames<P>, VideoError> {
-        let (name, teller) = (video.input.name.clone(), Teller::default());
+        let (name, frame_log) = (video.input.name.clone(), FrameLog::default());
         let mut command = command("ffmpeg", &name)?;
         video.input.feed(&mut command)?;
         command
@@ -267,7 +267,7 @@ impl<P: Pixels> Frames<P> {
             )
             .args(&video.input.arguments)
             .args(["-map", &format!("0:{}", video.stream)])
-            .args(output_arguments::<P>(selection, &filter, &teller));
+            .args(output_arguments::<P>(selection, &filter, &frame_log));
         let mut running = Running::start(command, "ffmpeg", &name)?.bounded(video.input.most_memory);
         let (Some(stdout), Some(stderr)) = (running.0.stdout.take(), running.0.stderr.take()) else {
             return Err(VideoError::not_started(&name, "ffmpeg", "it has no output"));
@@ -276,7 +276,7 @@ impl<P: Pixels> Frames<P> {
         Ok(Frames {
             expected_s: end_s
                 .filter(|_| selection.is_whole && selection.numbers.is_none() && video.duration_s.is_some()),
-            said: listen(stderr, &teller),
+            said: listen(stderr, &frame_log),
             images: images(stdout, selection.size(video), filter.is_limited),
             running,
             video: video.clone(),
@@ -296,7 +296,7 @@ impl<P: Pixels> Frames<P> {
     fn following(&mut self) -> Result<Option<Frame<P>>, VideoError> {
         loop {
             match self.said.recv_timeout(self.selection.patience) {
-                Ok(Said::Error(line)) => {
+                Ok(LogEvent::Error(line)) => {
                     let line = plain(&line, &self.name);
                     let is_elsewhere = line == ELSEWHERE;
                     self.complaint.get_or_insert(line);
@@ -306,11 +306,11 @@ impl<P: Pixels> Frames<P> {
                     }
                 }
                 // ffmpeg would stretch them to the size of the first, and no camera file would fit.
-                Ok(Said::Frame { size: Some(size), .. }) if *self.decoded.get_or_insert(size) != size => {
+                Ok(LogEvent::Frame { size: Some(size), .. }) if *self.decoded.get_or_insert(size) != size => {
                     self.complaint = Some("its frames change their size".to_owned());
                     return Err(self.damaged());
                 }
-                Ok(Said::Frame {
+                Ok(LogEvent::Frame {
                     number, time_s, is_key, ..
                 }) => {
                     let Some((first, offset_s)) = self.origin(time_s) else {
@@ -354,7 +354,7 @@ impl<P: Pixels> Frames<P> {
         }
     }
 
-    /// The number of ffmpeg's first frame and what its times lack, s, when a frame came; `None` where that is not the frame to begin with.
+    /// Returns the number of ffmpeg's first frame and what its times lack, s, when a frame came; `None` where that is not the frame to begin with.
     fn origin(&mut self, time_s: f64) -> Option<(u64, f64)> {
         if self.origin.is_none() {
             self.origin = match self.selection.beginning() {
@@ -378,7 +378,7 @@ impl<P: Pixels> Frames<P> {
         Ok(())
     }
 
-    /// What the end of ffmpeg's words means.
+    /// Interprets the end of ffmpeg's messages.
     fn end(&mut self) -> Result<(), VideoError> {
         let is_well = self.running.ended_well(self.selection.patience) == Some(true);
         let Some(last_s) = self.last_s else {
@@ -397,7 +397,7 @@ impl<P: Pixels> Frames<P> {
         Err(self.damaged())
     }
 
-    /// The fault behind a complaint of ffmpeg's: the video's, unless it says the same of any picture.
+    /// Returns the error behind a message of ffmpeg's: the video's damage, unless ffmpeg fails with any picture.
     fn damaged(&self) -> VideoError {
         let name = self.name.clone();
         if let Err(reason) = takes::<P>(&self.selection, &self.filter, self.video.range) {
@@ -436,7 +436,7 @@ impl<P: Pixels> Iterator for Frames<P> {
     }
 }
 
-/// What ffmpeg is told before its input.
+/// Returns ffmpeg's options before its input.
 fn input_options() -> [String; 7] {
     let most_pixels = (MOST_MEGAPIXELS * 1_000_000).to_string();
     [
@@ -451,10 +451,10 @@ fn input_options() -> [String; 7] {
     .map(str::to_owned)
 }
 
-/// What ffmpeg is told of its output: every chosen frame, with its own time, as raw bytes.
-fn output_arguments<P: Pixels>(selection: &Selection, filter: &Filter, teller: &Teller) -> Vec<String> {
+/// Returns ffmpeg's arguments for its output: every chosen frame, with its own time, as raw bytes.
+fn output_arguments<P: Pixels>(selection: &Selection, filter: &Filter, frame_log: &FrameLog) -> Vec<String> {
     let choice = selection.expression().map(|e| format!("select={e}"));
-    let filters = [Some(teller.filter()), choice, filter.frames.clone()];
+    let filters = [Some(frame_log.filter()), choice, filter.frames.clone()];
     let filters: Vec<String> = filters.into_iter().flatten().collect();
     let mut arguments: Vec<String> = ["-an", "-sn", "-dn", "-map_metadata", "-1", "-map_chapters", "-1"]
         .map(str::to_owned)
@@ -474,13 +474,13 @@ fn output_arguments<P: Pixels>(selection: &Selection, filter: &Filter, teller: &
     arguments
 }
 
-/// Whether ffmpeg takes what it is told of the output, tried on a grey picture of a range of light.
+/// Checks that ffmpeg accepts the arguments of the output, with a grey picture of a range of light.
 ///
 /// # Errors
-/// What it says.
+/// Its message.
 fn takes<P: Pixels>(selection: &Selection, filter: &Filter, range: Range) -> Result<(), String> {
     const PICTURE: [usize; 2] = [64, 64];
-    let (not_started, teller) = (|e: VideoError| e.to_string(), Teller::default());
+    let (not_started, frame_log) = (|e: VideoError| e.to_string(), FrameLog::default());
     let mut command = command("ffmpeg", "").map_err(not_started)?;
     command
         .args(input_options())
@@ -488,7 +488,7 @@ fn takes<P: Pixels>(selection: &Selection, filter: &Filter, range: Range) -> Res
         .arg(format!("{}x{}", PICTURE[0], PICTURE[1]))
         .args(range.options())
         .args(["-i", "pipe:0"])
-        .args(output_arguments::<P>(selection, filter, &teller))
+        .args(output_arguments::<P>(selection, filter, &frame_log))
         .stdin(Stdio::piped());
     let mut running = Running::start(command, "ffmpeg", "").map_err(not_started)?;
     if let Some(mut stdin) = running.0.stdin.take() {
@@ -496,11 +496,11 @@ fn takes<P: Pixels>(selection: &Selection, filter: &Filter, range: Range) -> Res
         let _ = stdin.write_all(&vec![128; PICTURE[0] * PICTURE[1] * 3 / 2]);
     }
     drain(running.0.stdout.take(), 0);
-    let said = running.0.stderr.take().map(|log| listen(log, &teller));
+    let said = running.0.stderr.take().map(|log| listen(log, &frame_log));
     let mut said = std::iter::from_fn(|| said.as_ref()?.recv_timeout(TRIED_WITHIN).ok());
     let complaint = said.find_map(|said| match said {
-        Said::Error(line) => Some(plain(&line, "")),
-        Said::Frame { .. } => None,
+        LogEvent::Error(line) => Some(plain(&line, "")),
+        LogEvent::Frame { .. } => None,
     });
     match (complaint, running.ended_well(TRIED_WITHIN)) {
         (Some(complaint), _) => Err(complaint),
@@ -509,7 +509,7 @@ fn takes<P: Pixels>(selection: &Selection, filter: &Filter, range: Range) -> Res
     }
 }
 
-/// What makes of a decoded frame one of the wanted size and colours.
+/// Filter from a decoded frame to the required size and colours.
 #[derive(Debug, Clone)]
 pub(crate) struct Filter {
     /// ffmpeg's; `None` to leave frames as they are.
@@ -518,7 +518,7 @@ pub(crate) struct Filter {
     pub is_limited: bool,
 }
 
-/// Luma from 16 to 235 becomes that from 0 to 255.
+/// Stretches luma from 16 to 235 to 0 to 255.
 pub(crate) fn widen(levels: &mut [u8]) {
     for level in levels {
         // Of 16 bits, so that many levels take one instruction.

@@ -1,4 +1,4 @@
-//! What ffmpeg reads: the arguments that stand before and with `-i`.
+//! Input of ffmpeg: the arguments before and with `-i`.
 
 use std::ffi::OsString;
 use std::fs::File;
@@ -15,27 +15,27 @@ const CONTAINERS: &str = "mov,mp4,m4a,3gp,3g2,mj2,matroska,webm,avi,mpegts,mpeg,
 /// ffmpeg takes 0.3 GB of addresses, of which most is its own code, and frames of 4K for each of its threads.
 const MOST_MEMORY: u64 = 4 << 30;
 
-/// Where frames come from, as arguments of `ffmpeg` and `ffprobe`. Nothing passes a shell.
+/// Input as arguments of `ffmpeg` and `ffprobe`. Nothing passes a shell.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Input {
-    /// What messages call it.
+    /// Name in messages.
     pub name: String,
     /// All arguments up to `-i` and what follows it. Whoever makes one says which protocols may be opened.
     pub arguments: Vec<OsString>,
     /// The file, where it is one; ffmpeg gets it as its standard input.
     pub file: Option<PathBuf>,
-    /// How much memory the programs that read it may address, in bytes: what comes over a network may announce anything.
+    /// Memory that the programs that read it may address, bytes: what comes over a network may announce anything.
     pub most_memory: Option<u64>,
 }
 
-/// What ffmpeg calls a file: the name of one is not for what it says, which is read.
+/// ffmpeg's name of a file, which it reads from standard input: a film's own name must not be among its messages.
 #[cfg(unix)]
 pub(crate) const SHOWN: &str = "/dev/stdin";
 #[cfg(not(unix))]
 pub(crate) const SHOWN: &str = "";
 
 impl Input {
-    /// A file. Only this one is opened, whatever stands in it: of protocols there is only `file`, and of containers those of cameras, since
+    /// Returns a file as input. Only this one is opened, whatever stands in it: of protocols there is only `file`, and of containers those of cameras, since
     /// a playlist could name any other file.
     pub fn file(path: &Path) -> Input {
         let mut url = OsString::from("file:");
@@ -62,7 +62,7 @@ impl Input {
         Ok(())
     }
 
-    /// Anything else that ffmpeg reads, such as a stream.
+    /// Returns anything else that ffmpeg reads as input, such as a stream.
     pub fn other(name: String, arguments: Vec<OsString>) -> Input {
         Input {
             name,

@@ -27,4 +27,4 @@ pub use frames::{Frame, Frames, Pixels, Selection};
 pub use input::Input;
 pub use planes::{Colours, Picture, Pictures, Planes};
 pub use probe::{Range, Video};
-pub use program::{end_decoders, reads_video};
+pub use program::end_decoders;

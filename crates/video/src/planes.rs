@@ -1,4 +1,4 @@
-//! Pictures as the decoder leaves them: their luma to look at, and what their colours can be made of later without decoding the video again.
+//! Pictures as the decoder leaves them: their luma, and the planes from which colours can be computed later without decoding the video again.
 
 use std::borrow::Cow;
 use std::cell::OnceCell;
@@ -26,7 +26,7 @@ const MOST_SAID: u64 = 1 << 16;
 pub struct Planes(Arc<Vec<u8>>);
 
 impl Planes {
-    /// Bytes of the picture.
+    /// Returns the number of bytes of the picture.
     pub fn length(&self) -> usize {
         self.0.len()
     }
@@ -44,12 +44,12 @@ pub struct Picture {
 const COMPARED: usize = 4;
 
 impl Picture {
-    /// What its colours are made of; `None` where only decoding again gives them.
+    /// Returns the planes from which its colours are computed; `None` where only decoding again gives them.
     pub fn planes(&self) -> Option<&Planes> {
         self.planes.as_ref()
     }
 
-    /// By how many levels the luma of another one differs on average; `None` for one of another size.
+    /// Returns the mean absolute difference to the luma of another one, levels; `None` for one of another size.
     pub fn difference(&self, other: &Picture) -> Option<f64> {
         let width = self.size[0] as usize;
         let [one, its] = [self.levels(), other.levels()];
@@ -135,7 +135,7 @@ impl Pixels for Picture {
 
 /// Pictures of a video, one after another.
 pub enum Pictures {
-    /// With what their colours are made of.
+    /// Pictures with the planes of their colours.
     Whole(Frames<Picture>),
     /// Without.
     Luma(Frames<GrayImage>),
@@ -173,7 +173,7 @@ impl Video {
         Ok(Pictures::Whole(Frames::start(self, selection, as_decoded)?))
     }
 
-    /// Colours of such pictures, in their order: the same as [`Video::rgb`] gives.
+    /// Converts such pictures to colours, in their order: the same as [`Video::rgb`] gives.
     ///
     /// # Errors
     /// No ffmpeg.

@@ -1,4 +1,4 @@
-//! What a video is, before a frame of it is decoded: `ffprobe`'s description, checked.
+//! Description of a video before a frame of it is decoded: `ffprobe`'s, checked.
 
 use std::fs::File;
 use std::io::{Read, Seek};
@@ -31,7 +31,7 @@ const FRAME: Budget = Budget {
 /// The range of light that a video stores.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Range {
-    /// As photos.
+    /// Standard range, as of photos.
     Standard,
     /// HDR: hybrid log-gamma (ARIB STD-B67).
     Hlg,
@@ -40,7 +40,7 @@ pub enum Range {
 }
 
 impl Range {
-    /// Its name among people who film.
+    /// Returns its usual name.
     pub fn name(self) -> &'static str {
         match self {
             Range::Standard => "SDR",
@@ -49,7 +49,7 @@ impl Range {
         }
     }
 
-    /// ffmpeg's options that say so of raw pictures.
+    /// Returns ffmpeg's options that state the range of raw pictures.
     pub(crate) fn options(self) -> Vec<&'static str> {
         let transfer = match self {
             Range::Standard => return Vec::new(),
@@ -76,7 +76,7 @@ pub struct Video {
     pub width: u32,
     /// Height of an upright frame, px.
     pub height: u32,
-    /// How far the container turns frames clockwise to make them upright: 0, 90, 180 or 270.
+    /// Clockwise turn by the container that makes frames upright: 0, 90, 180 or 270.
     pub turned_deg: u32,
     /// The codec, as ffmpeg calls it: `h264`, `hevc`, `vp9`, `av1`.
     pub codec: String,
@@ -89,11 +89,11 @@ pub struct Video {
     /// Bits of a sample: 8, 10 or 12.
     pub bits: u32,
     pub range: Range,
-    /// Its luma goes from 16 to 235 of 255, as that of most videos does.
+    /// True if its luma goes from 16 to 235 of 255, as that of most videos does.
     pub(crate) is_limited: bool,
     /// Moreover it is no HDR, has 8 bits, and one value of either chroma for 2 × 2 pixels (4:2:0).
     pub(crate) has_planes: bool,
-    /// Which of the input's video streams it is.
+    /// Index of the stream in the input.
     pub(crate) stream: u32,
     /// The matrix from luma and chroma to colours, as ffmpeg's filter `scale` calls it.
     pub(crate) matrix: &'static str,
@@ -258,7 +258,7 @@ impl Video {
         })
     }
 
-    /// What to know of its colours before they are believed, as a sentence.
+    /// Returns a caution on its colours, as a sentence.
     pub fn colour_note(&self) -> Option<String> {
         let name = &self.input.name;
         match self.range {
@@ -287,13 +287,13 @@ impl Video {
     }
 }
 
-/// A time that is not 0, s.
+/// Reads a time, s; `None` if it is 0.
 fn number(text: &Option<String>) -> Option<f64> {
     text.as_ref()?.parse().ok().filter(|v: &f64| v.is_finite() && *v > 0.0)
 }
 
 impl Format {
-    /// Matroska's duration is the time of the end, wherever the first frame stands.
+    /// Returns the duration, s. Matroska's is the time of the end, wherever the first frame stands.
     fn length_s(&self) -> Option<f64> {
         let end_s = number(&self.duration)?;
         Some(end_s - number(&self.start_time).unwrap_or(0.0)).filter(|s| *s > 0.0)
@@ -301,7 +301,7 @@ impl Format {
 }
 
 impl Stream {
-    /// By the sample entry `encv` (ISO 14496-12), or by the data that a player needs for decryption.
+    /// Returns true if it is encrypted, by the sample entry `encv` (ISO 14496-12) or by the data that a player needs for decryption.
     fn is_encrypted(&self) -> bool {
         let is_key_data = |data: &SideData| {
             data.side_data_type
@@ -311,7 +311,7 @@ impl Stream {
         self.codec_tag_string.as_deref() == Some("encv") || self.side_data_list.iter().any(is_key_data)
     }
 
-    /// ffprobe counts counter-clockwise.
+    /// Returns the clockwise turn; ffprobe counts counter-clockwise.
     fn turned_deg(&self) -> u32 {
         let rotation = self.side_data_list.iter().find_map(|data| data.rotation).unwrap_or(0.0);
         ((-rotation / 90.0).round() as i64).rem_euclid(4) as u32 * 90
@@ -342,7 +342,7 @@ impl Stream {
         }
     }
 
-    /// What does not say is limited where it is YUV; RGB never is, and the formats of old JPEGs (`yuvj…`) are not.
+    /// Returns true for the limited range. A stream that does not state it is limited if it is YUV; RGB never is, nor are the formats of old JPEGs (`yuvj…`).
     fn is_limited(&self) -> bool {
         let format = self.pix_fmt.as_deref().unwrap_or_default();
         let is_yuv = ["yuv4", "nv12", "p010", "p012", "p016"]
@@ -351,7 +351,7 @@ impl Stream {
         is_yuv && self.color_range.as_deref() != Some("pc")
     }
 
-    /// A video that does not say is BT.709 from 720 lines on, and BT.601 below, as players take it.
+    /// Returns the colour matrix. A video that does not state it is BT.709 from 720 lines on, and BT.601 below, as players take it.
     fn matrix(&self, lines: u32) -> &'static str {
         match self.color_space.as_deref() {
             Some("bt709") => "bt709",
@@ -364,12 +364,12 @@ impl Stream {
     }
 }
 
-/// Whether the index of an MP4 file has the sample entry `encv` (ISO 14496-12, 8.12), under which ffprobe shows the codec as if nothing were encrypted.
+/// Returns true if the index of an MP4 file has the sample entry `encv` (ISO 14496-12, 8.12), under which ffprobe shows the codec as if nothing were encrypted.
 fn is_encrypted_mp4(path: &Path) -> bool {
     index_of_mp4(path).is_ok_and(|index| memchr::memmem::find(&index, b"encv").is_some())
 }
 
-/// The content of an MP4 file's box `moov`, up to a length; nothing of another file.
+/// Returns the content of an MP4 file's box `moov`, up to a length; nothing of another file.
 fn index_of_mp4(path: &Path) -> std::io::Result<Vec<u8>> {
     let mut file = File::open(path)?;
     for _ in 0..MOST_BOXES {
@@ -399,7 +399,7 @@ fn index_of_mp4(path: &Path) -> std::io::Result<Vec<u8>> {
     Ok(Vec::new())
 }
 
-/// ffprobe's answer.
+/// Asks ffprobe for a description.
 fn described(input: &Input) -> Result<Description, VideoError> {
     let mut command = command("ffprobe", &input.name)?;
     input.feed(&mut command)?;

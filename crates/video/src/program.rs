@@ -1,4 +1,4 @@
-//! The programs `ffmpeg` and `ffprobe`: where they are, what they can, and one that runs.
+//! The programs `ffmpeg` and `ffprobe`: their places, their features, and running ones.
 
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
@@ -14,7 +14,7 @@ use scaleproof_core::message::message;
 use crate::VideoError;
 
 const LOOK_AGAIN: Duration = Duration::from_millis(10);
-/// What a program says of itself in less than this; some builds take a second to load.
+/// Time in which a program must report its version; some builds take a second to load.
 const SAYS_WITHIN: Duration = Duration::from_secs(20);
 /// A pipe whose program has ended is at its end in less than this.
 pub(crate) const LEFT_BEHIND: Duration = Duration::from_secs(10);
@@ -43,14 +43,7 @@ fn kill(id: u32) {
     let _ = id;
 }
 
-/// Whether the system has the programs that videos are read with.
-pub fn reads_video() -> bool {
-    ["ffmpeg", "ffprobe"]
-        .iter()
-        .all(|name| environment::program(name).is_some())
-}
-
-/// A command that reads nothing from the terminal; `name` is the video's.
+/// Creates a command that reads nothing from the terminal; `name` is the video's.
 pub(crate) fn command(program: &'static str, name: &str) -> Result<Command, VideoError> {
     let missing = || {
         message!(
@@ -97,7 +90,7 @@ impl Running {
         self
     }
 
-    /// Whether it ended well; `None` when it did not end in time.
+    /// Returns true if it ended well; `None` when it did not end in time.
     pub fn ended_well(&mut self, within: Duration) -> Option<bool> {
         let began = Instant::now();
         loop {
@@ -122,18 +115,18 @@ impl Drop for Running {
     }
 }
 
-/// What a pipe gives until its end.
-pub(crate) struct Drained(Receiver<Vec<u8>>);
+/// Content of a pipe until its end.
+pub(crate) struct PipeContent(Receiver<Vec<u8>>);
 
-impl Drained {
-    /// All of it, when the program that writes has ended; `None` where a process that it left behind holds the pipe open.
+impl PipeContent {
+    /// Returns the whole content when the writing program has ended; `None` if a process that it left behind holds the pipe open.
     pub fn whole(self) -> Option<Vec<u8>> {
         self.0.recv_timeout(LEFT_BEHIND).ok()
     }
 }
 
-/// Everything that comes, up to a limit, read by a thread of its own: a full pipe would stop the program that writes.
-pub(crate) fn drain(from: Option<impl Read + Send + 'static>, most: u64) -> Drained {
+/// Reads a pipe up to a limit in a thread of its own: a full pipe would stop the program that writes.
+pub(crate) fn drain(from: Option<impl Read + Send + 'static>, most: u64) -> PipeContent {
     let (give, drained) = sync_channel(1);
     std::thread::spawn(move || {
         let mut read = Vec::new();
@@ -144,10 +137,10 @@ pub(crate) fn drain(from: Option<impl Read + Send + 'static>, most: u64) -> Drai
         // Nobody may wait for it.
         let _ = give.send(read);
     });
-    Drained(drained)
+    PipeContent(drained)
 }
 
-/// What ffmpeg says to an argument; nothing where it does not start.
+/// Returns ffmpeg's output for an argument; empty if it does not start.
 fn said(argument: &str) -> String {
     let answer = || {
         let mut command = command("ffmpeg", "").ok()?;
@@ -161,7 +154,7 @@ fn said(argument: &str) -> String {
     String::from_utf8_lossy(&answer().unwrap_or_default()).into_owned()
 }
 
-/// ffmpeg's version as it says it, such as `7.1.5-0+deb13u1`; nothing where it does not start.
+/// Returns ffmpeg's version, such as `7.1.5-0+deb13u1`; empty if it does not start.
 pub(crate) fn version() -> &'static str {
     static VERSION: OnceLock<String> = OnceLock::new();
     VERSION.get_or_init(|| {
@@ -171,7 +164,7 @@ pub(crate) fn version() -> &'static str {
     })
 }
 
-/// The option that keeps every frame with its own time: `-fps_mode` since ffmpeg 5.1, `-vsync` before.
+/// Returns the option that keeps every frame with its own time: `-fps_mode` since ffmpeg 5.1, `-vsync` before.
 pub(crate) fn every_frame_option() -> &'static str {
     // Builds from the repository are called otherwise, and are newer.
     let mut parts = version()
@@ -183,7 +176,7 @@ pub(crate) fn every_frame_option() -> &'static str {
     }
 }
 
-/// Whether ffmpeg has the filter zscale, which converts HDR.
+/// Returns true if ffmpeg has the filter zscale, which converts HDR.
 pub(crate) fn has_zscale() -> bool {
     static HAS: OnceLock<bool> = OnceLock::new();
     *HAS.get_or_init(|| said("-filters").contains(" zscale "))

@@ -1,4 +1,4 @@
-//! Who may ask: the Host header against DNS rebinding, Origin and Sec-Fetch-Site against other sites, one-time tokens against other machines of the
+//! Access control: the Host header against DNS rebinding, Origin and Sec-Fetch-Site against other sites, one-time tokens against other machines of the
 //! network and other accounts of this one.
 
 use std::net::{Ipv4Addr, Ipv6Addr};
@@ -11,7 +11,7 @@ use rand::rngs::{SysError, SysRng};
 
 use scaleproof_core::files;
 
-/// How a request came.
+/// Scheme of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scheme {
     Http,
@@ -20,7 +20,7 @@ pub enum Scheme {
 }
 
 impl Scheme {
-    /// What an address begins with.
+    /// Returns the beginning of an address.
     fn prefix(self) -> &'static str {
         match self {
             Scheme::Http => "http://",
@@ -29,10 +29,10 @@ impl Scheme {
     }
 }
 
-/// What the page's server asks of a request before anything else.
+/// Checks of a request before anything else.
 #[derive(Debug)]
 pub struct Access {
-    /// From this machine only.
+    /// True if requests come from this machine only.
     is_local: bool,
     keys: Mutex<Keys>,
     /// Cookies belong to an address, whatever the port: a name for each port keeps two captures on one machine apart.
@@ -49,13 +49,13 @@ struct Keys {
 }
 
 impl Access {
-    /// Whoever brings a token to this port from this machine, once. Returns the token.
+    /// Admits whoever brings a token to this port from this machine, once. Returns the token.
     pub fn local(port: u16) -> Result<(Access, String), SysError> {
         let token = secret()?;
         Ok((Access::of(port, true, std::slice::from_ref(&token)), token))
     }
 
-    /// Whoever brings one of two tokens to this port, each of them once. Returns the tokens.
+    /// Admits whoever brings one of two tokens to this port, each of them once. Returns the tokens.
     pub fn in_network(port: u16) -> Result<(Access, [String; 2]), SysError> {
         let tokens = [secret()?, secret()?];
         Ok((Access::of(port, false, &tokens), tokens))
@@ -113,7 +113,7 @@ impl Access {
         }
     }
 
-    /// Which browser asks, by a hash of the cookie that its token was exchanged for.
+    /// Identifies the browser, by a hash of the cookie that its token was exchanged for.
     pub fn browser(&self, headers: &HeaderMap) -> Option<String> {
         let lines = headers.get_all(COOKIE).iter().filter_map(|value| value.to_str().ok());
         let cookies = lines
@@ -142,7 +142,7 @@ fn hash(secret: impl AsRef<[u8]>) -> String {
     files::sha256_hex(secret.as_ref())
 }
 
-/// 128 bits of the system's randomness, hex.
+/// Draws 128 bits of the system's randomness, hex.
 fn secret() -> Result<String, SysError> {
     let mut bytes = [0; 16];
     SysRng.try_fill_bytes(&mut bytes)?;

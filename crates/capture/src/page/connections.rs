@@ -1,4 +1,4 @@
-//! Who stays connected when there are more than there is room for.
+//! Limits on connections: the one that is closed when there are too many.
 //!
 //! A connection is a stranger's until a request on it was one of a known browser. When there are too many strangers, the longest connected
 //! of the address that has most of them leaves: a known browser says who it is as soon as it is heard, and who only holds a place does not
@@ -23,7 +23,7 @@ pub struct Connections {
     seats: Mutex<Seats>,
 }
 
-/// By the order in which they came.
+/// Connections by their numbers, in the order in which they came.
 #[derive(Debug, Default)]
 struct Seats {
     taken: BTreeMap<u64, Seat>,
@@ -47,7 +47,7 @@ pub struct Connection {
 }
 
 impl Connections {
-    /// A place for a connection that has just come. Somebody else may have to leave for it.
+    /// Registers a new connection. Another one may be closed for it.
     pub fn enter(self: &Arc<Connections>, from: IpAddr) -> Connection {
         let mut seats = self.seats();
         if seats.strangers().count() >= MOST_STRANGERS {
@@ -70,7 +70,7 @@ impl Connections {
         }
     }
 
-    /// How many there are.
+    /// Returns the number of connections.
     pub fn count(&self) -> usize {
         self.seats().taken.len()
     }
@@ -81,7 +81,7 @@ impl Connections {
 }
 
 impl Connection {
-    /// The connection is one of this browser. One that has too many loses the one it has had longest.
+    /// Registers the connection as one of this browser. If it has too many, its oldest is closed.
     pub fn belongs_to(&self, browser: &str) {
         let mut seats = self.connections.seats();
         let is_own = |seat: &Seat| seat.browser.as_deref() == Some(browser);
@@ -97,12 +97,12 @@ impl Connection {
         }
     }
 
-    /// Whether nobody else has needed the place so far.
+    /// Returns true if the connection has not been closed for another.
     pub fn is_kept(&self) -> bool {
         self.connections.seats().taken.contains_key(&self.number)
     }
 
-    /// Ends when somebody else needs the place.
+    /// Ends when the connection is to be closed for another.
     pub async fn asked_to_leave(&self) {
         self.leave.notified().await;
     }
@@ -119,18 +119,18 @@ impl Seats {
         self.taken.iter().filter(|(_, seat)| seat.browser.is_none())
     }
 
-    /// Of the address with most strangers, the one that has been here longest.
+    /// Returns the oldest connection of the address with most strangers.
     fn longest_of_the_crowd(&self) -> Option<u64> {
         let mut crowds: BTreeMap<IpAddr, (usize, u64)> = BTreeMap::new();
         for (number, seat) in self.strangers() {
             crowds.entry(seat.from).or_insert((0, *number)).0 += 1;
         }
-        // Of equal crowds, that of the longest.
+        // Of equal counts, that of the oldest.
         let crowds = crowds.into_values().map(|(count, longest)| (count, Reverse(longest)));
         crowds.max().map(|(_, Reverse(longest))| longest)
     }
 
-    /// It no longer counts; its connection ends as soon as it hears of it.
+    /// Removes a connection from the count, and tells it to close.
     fn ask_to_leave(&mut self, number: Option<u64>) {
         if let Some(seat) = number.and_then(|number| self.taken.remove(&number)) {
             seat.leave.notify_one();

@@ -1,4 +1,4 @@
-//! Where a viewpoint stands on the dial: the model from above, one ring for each pitch and required distance.
+//! Places of viewpoints on the dial: the model from above, one ring for each elevation and required distance.
 
 use serde::Serialize;
 
@@ -12,12 +12,12 @@ const INNER: f64 = 0.42;
 pub struct DialRing {
     pub pitch_deg: f64,
     pub distance_mm: f64,
-    /// Of the dial's radius.
+    /// Inner radius as a share of the dial's.
     pub inner_share: f64,
     pub outer_share: f64,
 }
 
-/// The rings, from the inside: the nearer over ground, the further in.
+/// Rings from the inside outwards, in the order of their distance over ground.
 #[derive(Debug, Clone)]
 pub struct DialRings(pub Vec<DialRing>);
 
@@ -47,7 +47,7 @@ impl DialRings {
         self.0.iter().position(same).unwrap_or_default()
     }
 
-    /// How far from the dial's centre a viewpoint is drawn, of its radius: in the middle of a ring at that ring's distance over ground, in
+    /// Returns a viewpoint's distance from the dial's centre, as a share of its radius: in the middle of a ring at that ring's distance over ground, in
     /// proportion between and beside the rings, and at most a little outside.
     pub fn radius_share(&self, v: &Viewpoint) -> f64 {
         let ground = |ring: &DialRing| over_ground_mm(&[ring.pitch_deg, ring.distance_mm]);

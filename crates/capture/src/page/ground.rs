@@ -1,4 +1,4 @@
-//! The required views as a ring on the ground about the model, as a camera sees it.
+//! Required views as a ring on the ground about the model, in a camera's image.
 
 use nalgebra::Point3;
 
@@ -8,13 +8,15 @@ use scaleproof_core::geometry::Rigid;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Bin, Scene};
 
-/// Points along each arc.
+/// Number of steps along each arc.
 const STEPS: u8 = 8;
 
-/// For each bin the outline of its sector, pixels as the page draws them; empty where a part of it is behind the camera. `pose` is
+/// Returns the outline of each bin's sector, in the page's pixels; empty if a part of it is behind the camera. `pose` is
 /// `T_camera_model`, `step_deg` the width of a bin.
 pub(super) fn outlines_px(
-    (bins, step_deg, rings): (&[Bin], f64, &DialRings),
+    bins: &[Bin],
+    step_deg: f64,
+    rings: &DialRings,
     scene: &Scene,
     camera: &Camera,
     pose: &Rigid,

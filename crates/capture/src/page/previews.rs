@@ -7,7 +7,7 @@ use image::RgbImage;
 use crate::Original;
 use scaleproof_photo::{Budget, Photo, fitting, preview_jpeg, shrunk};
 
-/// A frame with its longest side made `longest_side_px`; never larger than it is. `None` for what cannot be read.
+/// Encodes a frame reduced to a longest side of `longest_side_px`, never enlarged; `None` if it cannot be read.
 pub(super) fn of_frame(original: &Original, longest_side_px: u32) -> Option<Vec<u8>> {
     match original {
         Original::Unreadable(_) => None,
@@ -19,7 +19,7 @@ pub(super) fn of_frame(original: &Original, longest_side_px: u32) -> Option<Vec<
     }
 }
 
-/// A photo on disk with its longest side made `longest_side_px`; never larger than it is. `None` for what cannot be read or takes too much memory.
+/// Encodes a photo on disk reduced to a longest side of `longest_side_px`, never enlarged; `None` if it cannot be read or takes too much memory.
 pub(super) fn of_photo(path: &Path, longest_side_px: u32) -> Option<Vec<u8>> {
     of_file(&Photo::open(path).ok()?, longest_side_px)
 }

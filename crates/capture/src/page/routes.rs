@@ -1,4 +1,4 @@
-//! What the server answers. Everything that changes the session goes to the worker; everything else is what the worker published last.
+//! Answers to requests. All that changes the session goes to the worker; the rest is answered from the state that the worker published last.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -26,17 +26,17 @@ const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
-/// How long a question for news waits for some.
+/// Time for which a request for news waits for some.
 const NEWS: Duration = Duration::from_secs(10);
 
-/// Longest sides in px.
+/// Lengths of the longest side, px.
 const PREVIEW_PX: u32 = 960;
 const THUMBNAIL_PX: u32 = 240;
 
-/// Uploads in memory at once; further ones wait before they are read.
+/// Maximum number of uploads in memory at once; further ones wait before they are read.
 pub(super) const MAX_UPLOADS: usize = 4;
 
-/// Nothing from elsewhere, no frame around the page, no guessing of types, nothing kept.
+/// Headers of every answer: no content from elsewhere, no frame around the page, no guessing of types, no cache.
 const HEADERS: [(&str, &str); 5] = [
     (
         "content-security-policy",
@@ -49,7 +49,7 @@ const HEADERS: [(&str, &str); 5] = [
     ("cache-control", "no-store"),
 ];
 
-/// What the answers need.
+/// Context of the answers.
 #[derive(Clone)]
 pub(super) struct PageContext {
     pub access: Arc<Access>,
@@ -90,7 +90,7 @@ impl PageContext {
     }
 }
 
-/// What an address names, as numbers and words of their kinds; an address with others is answered in a sentence of ours, not of the framework's.
+/// Parameters of an address, parsed; an address with others is answered in a sentence of ours, not of the framework's.
 struct Named<T>(T);
 
 impl<T: DeserializeOwned + Send> FromRequestParts<PageContext> for Named<T> {
@@ -104,7 +104,7 @@ impl<T: DeserializeOwned + Send> FromRequestParts<PageContext> for Named<T> {
     }
 }
 
-/// The first check of every request, and the headers of every answer.
+/// Checks every request first, and adds the headers to every answer.
 async fn from_here(State(site): State<PageContext>, request: Request, next: Next) -> Response {
     let mut response = match site
         .access
@@ -149,7 +149,7 @@ async fn join(State(site): State<PageContext>, Named(token): Named<String>, requ
     }
 }
 
-/// The newest state, as soon as it is another than the one that was seen.
+/// Answers with the newest state, as soon as it is another than the one that was seen.
 async fn state(State(site): State<PageContext>, Named(seen): Named<u64>) -> Response {
     let mut published = site.published.clone();
     let is_news = |p: &Arc<Published>| p.revision != seen || p.has_ended;
@@ -158,7 +158,7 @@ async fn state(State(site): State<PageContext>, Named(seen): Named<u64>) -> Resp
     ([(CONTENT_TYPE, "application/json")], json).into_response()
 }
 
-/// The newest frame; an older one is gone.
+/// Answers with the newest frame; an older one is gone.
 async fn preview(State(site): State<PageContext>, Named(number): Named<u64>) -> Response {
     let Ok(turn) = site.previews.clone().acquire_owned().await else {
         return StatusCode::GONE.into_response();
@@ -170,7 +170,7 @@ async fn preview(State(site): State<PageContext>, Named(number): Named<u64>) -> 
     }
 }
 
-/// A photo that fills a view. The name is compared with those of such photos, and never made into a path unless it is one.
+/// Answers with a photo that fills a view. The name is compared with those of such photos, and never made into a path unless it is one.
 async fn photo(State(site): State<PageContext>, Named(name): Named<String>) -> Response {
     let is_one = site.published.borrow().photos.contains(&name);
     if !is_one {
@@ -187,7 +187,7 @@ async fn photo(State(site): State<PageContext>, Named(name): Named<String>) -> R
     response
 }
 
-/// The turn goes with the work, which goes on when the browser that asked has left.
+/// Answers with an image that another thread makes. The turn goes with the work, which goes on when the browser has left.
 async fn jpeg(turn: OwnedSemaphorePermit, make: impl FnOnce() -> Option<Vec<u8>> + Send + 'static) -> Response {
     let work = move || {
         let _turn = turn;
@@ -199,7 +199,7 @@ async fn jpeg(turn: OwnedSemaphorePermit, make: impl FnOnce() -> Option<Vec<u8>>
     }
 }
 
-/// A picture of what a device films, drawn so long after the one before; the page made up the device's number.
+/// Takes a picture that a device films, `after_ms` after the one before; the page made up the device's number.
 async fn film(
     site: State<PageContext>,
     Named((device, kind, after_ms)): Named<(u32, FilmKind, u32)>,
@@ -264,13 +264,13 @@ fn has_ended() -> Response {
     ))
 }
 
-/// What a connection of the network that is not encrypted gets, whatever it asks: the code in its address, if it has one, was seen by others.
+/// Returns the one answer to a connection of the network that is not encrypted: the code in its address, if it has one, was seen by others.
 pub(super) fn unencrypted() -> Router {
     let sentence = "this page is encrypted: open the address that the terminal shows, which begins with https://";
     Router::new().fallback(move || async move { stranger(StatusCode::BAD_REQUEST, sentence) })
 }
 
-/// The answer to an unknown client; the connection closes after it.
+/// Answers an unknown client; the connection closes after it.
 fn stranger(status: StatusCode, sentence: &'static str) -> Response {
     let headers = [(CONTENT_TYPE, "text/plain; charset=utf-8"), (CONNECTION, "close")];
     (status, headers, sentence).into_response()

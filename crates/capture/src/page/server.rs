@@ -24,26 +24,26 @@ use super::connections::{Connection, Connections};
 use super::worker::WorkerEvent;
 use super::{routes, tls};
 
-/// With those that are about to leave; a process may have some 1000 files open. Further connections wait.
+/// Maximum number of connections, including those that are closing; a process may have some 1000 files open. Further connections wait.
 const MAX_CONNECTIONS: usize = 512;
 
-/// A connection that sends no whole request head for so long is closed, and before that one that has not agreed on TLS.
-const HEAD: Duration = Duration::from_secs(10);
+/// Time within which a connection must agree on TLS and send a whole request head; else it is closed.
+const HEAD_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// A connection that takes no byte of an answer for this long is closed, too.
-const TAKES_NOTHING: Duration = Duration::from_secs(10);
+/// Time within which a connection must take a byte of an answer; else it is closed.
+const WRITE_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// A request's head, and what of a body waits to be read.
+/// Buffer for a request's head, and for the part of a body that waits to be read, bytes.
 const MAX_BUFFERED: usize = 64 << 10;
 
-/// How long the last answers may take when the capture has ended.
-const FAREWELL: Duration = Duration::from_secs(2);
+/// Time for the last answers when the capture has ended.
+const SHUTDOWN: Duration = Duration::from_secs(2);
 
-/// What browsers had asked by the time the capture ended may still be on its way here, such as the small image of the photo taken last:
-/// so long it is still accepted and answered.
+/// Time after the end of the capture in which requests are still accepted and answered: those that browsers sent before may still be on their
+/// way, such as that for the small image of the last photo.
 const LAST_REQUESTS: Duration = Duration::from_millis(500);
 
-/// So many connections may wait until they are accepted, instead of the usual 128: one that is lost costs its browser a second.
+/// Number of connections that may wait to be accepted, instead of the usual 128: one that is lost costs its browser a second.
 const BACKLOG: u32 = 1024;
 
 /// Opens a port.
@@ -69,7 +69,7 @@ pub(super) struct Server {
 }
 
 impl Server {
-    /// Serves `site` until it is ended, with a certificate to other machines only by TLS; Ctrl-C asks the worker to finish, and a second one does `hurry`.
+    /// Serves `site` until [`Server::shutdown`]; Ctrl-C asks the worker to finish, and a second one calls `hurry`.
     ///
     /// # Errors
     /// The system gives no thread or sockets.
@@ -95,15 +95,15 @@ impl Server {
         Ok(Server { thread, end })
     }
 
-    /// Answers what was asked until now, and ends.
-    pub(super) fn end(self) {
+    /// Finishes requests in flight, then stops.
+    pub(super) fn shutdown(self) {
         std::thread::sleep(LAST_REQUESTS);
         self.end.send_replace(true);
         let _ = self.thread.join(); // a thread that panicked has ended too
     }
 }
 
-/// The first Ctrl-C finishes the capture as the button does; nothing accepted is lost whatever a second one does.
+/// Finishes the capture at the first Ctrl-C, as the button does; nothing accepted is lost whatever a second one does.
 async fn interrupted(events: Sender<WorkerEvent>, hurry: Box<dyn FnOnce() + Send>) {
     if tokio::signal::ctrl_c().await.is_ok()
         && events.send(WorkerEvent::Finish).is_ok()
@@ -113,8 +113,12 @@ async fn interrupted(events: Sender<WorkerEvent>, hurry: Box<dyn FnOnce() + Send
     }
 }
 
-/// What is served, and with whose certificate.
-type Site = (Router, Option<TlsAcceptor>);
+/// Pages that are served; with a certificate, other machines get them only by TLS.
+#[derive(Clone)]
+pub(super) struct Site {
+    pub router: Router,
+    pub acceptor: Option<TlsAcceptor>,
+}
 
 async fn accept(listener: tokio::net::TcpListener, site: Site, mut ended: watch::Receiver<bool>) {
     let sockets = Arc::new(Semaphore::new(MAX_CONNECTIONS));
@@ -131,7 +135,7 @@ async fn accept(listener: tokio::net::TcpListener, site: Site, mut ended: watch:
         match stream {
             Ok((stream, from)) => {
                 let place = Arc::new(connections.enter(from.ip()));
-                let work = connection((stream, from.ip()), site.clone(), place, ended.clone());
+                let work = connection(stream, from.ip(), site.clone(), place, ended.clone());
                 tokio::spawn(async move {
                     work.await;
                     drop(socket);
@@ -142,13 +146,14 @@ async fn accept(listener: tokio::net::TcpListener, site: Site, mut ended: watch:
         }
     }
     let all_left = sockets.acquire_many(MAX_CONNECTIONS as u32);
-    let _ = tokio::time::timeout(FAREWELL, all_left).await; // who has not left by now is left behind
+    let _ = tokio::time::timeout(SHUTDOWN, all_left).await; // who has not left by now is left behind
 }
 
-/// A connection from an address.
+/// Serves one connection, from an address.
 async fn connection(
-    (stream, from): (TcpStream, IpAddr),
-    (router, acceptor): Site,
+    stream: TcpStream,
+    from: IpAddr,
+    Site { router, acceptor }: Site,
     place: Arc<Connection>,
     mut ended: watch::Receiver<bool>,
 ) {
@@ -157,28 +162,30 @@ async fn connection(
         return serve(bounded(stream), router, Scheme::Http, place, ended).await;
     };
     let begin = async {
-        let is_tls = tls::is_begun(&stream).await;
+        let is_tls = tls::begins_with_handshake(&stream).await;
         let stream = bounded(stream);
         if is_tls {
             acceptor
                 .accept(stream)
                 .await
                 .ok()
-                .map(|stream| Begun::Encrypted(Box::new(stream)))
+                .map(|stream| Opened::Encrypted(Box::new(stream)))
         } else {
-            Some(Begun::Plain(stream))
+            Some(Opened::Plain(stream))
         }
     };
     let begun = tokio::select! {
-        begun = tokio::time::timeout(HEAD, begin) => begun,
+        begun = tokio::time::timeout(HEAD_TIMEOUT, begin) => begun,
         () = place.asked_to_leave() => return,
         _ = ended.wait_for(|ended| *ended) => return,
     };
     match begun {
-        Ok(Some(Begun::Encrypted(stream))) => serve(*stream, router, Scheme::Https, place, ended).await,
+        Ok(Some(Opened::Encrypted(stream))) => serve(*stream, router, Scheme::Https, place, ended).await,
         // What stays on this machine nobody else hears, and its browser trusts it.
-        Ok(Some(Begun::Plain(stream))) if from.is_loopback() => serve(stream, router, Scheme::Http, place, ended).await,
-        Ok(Some(Begun::Plain(stream))) => serve(stream, routes::unencrypted(), Scheme::Http, place, ended).await,
+        Ok(Some(Opened::Plain(stream))) if from.is_loopback() => {
+            serve(stream, router, Scheme::Http, place, ended).await
+        }
+        Ok(Some(Opened::Plain(stream))) => serve(stream, routes::unencrypted(), Scheme::Http, place, ended).await,
         Ok(None) | Err(_) => {}
     }
 }
@@ -186,14 +193,14 @@ async fn connection(
 /// A connection whose peer must take what it is sent.
 type Bounded = Pin<Box<TimeoutStream<TcpStream>>>;
 
-enum Begun {
+enum Opened {
     Plain(Bounded),
     Encrypted(Box<TlsStream<Bounded>>),
 }
 
 fn bounded(stream: TcpStream) -> Bounded {
     let mut stream = TimeoutStream::new(stream);
-    stream.set_write_timeout(Some(TAKES_NOTHING));
+    stream.set_write_timeout(Some(WRITE_TIMEOUT));
     Box::pin(stream)
 }
 
@@ -205,7 +212,7 @@ async fn serve(
     mut ended: watch::Receiver<bool>,
 ) {
     let mut builder = http1::Builder::new();
-    builder.timer(TokioTimer::new()).header_read_timeout(HEAD);
+    builder.timer(TokioTimer::new()).header_read_timeout(HEAD_TIMEOUT);
     builder.max_buf_size(MAX_BUFFERED);
     // Every request carries the connection on which it came.
     let guest = TowerToHyperService::new(router.layer(Extension(place.clone())).layer(Extension(scheme)));

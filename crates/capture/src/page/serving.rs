@@ -14,7 +14,7 @@ use tokio::sync::{Semaphore, watch};
 use super::access::Access;
 use super::error::PageError;
 use super::routes::{MAX_UPLOADS, PageContext};
-use super::server::{self, Server};
+use super::server::{self, Server, Site};
 use super::state::CaptureInfo;
 use super::tls;
 use super::worker::{AskPairs, CaptureNotice, CaptureWorker, Published, WorkerEvent};
@@ -26,7 +26,7 @@ use scaleproof_pose::scene::Scene;
 /// A page that is being served.
 pub struct Page {
     server: Server,
-    /// For the source's thread.
+    /// Sender for the source's thread.
     own: Sender<WorkerEvent>,
     events: Receiver<WorkerEvent>,
     published: watch::Sender<Arc<Published>>,
@@ -35,7 +35,7 @@ pub struct Page {
     pub lan: Option<Lan>,
 }
 
-/// How a phone in the local network gets to the page.
+/// Address by which a phone in the local network reaches the page.
 pub struct Lan {
     pub address: String,
     /// SHA-256 of the certificate, as browsers show it.
@@ -112,7 +112,10 @@ impl Page {
             uploads: Arc::new(Semaphore::new(MAX_UPLOADS)),
             previews: Arc::new(Semaphore::new(1)),
         };
-        let site = (site.router(), tls);
+        let site = Site {
+            router: site.router(),
+            acceptor: tls,
+        };
         let server = Server::start(listener, site, own.clone(), Box::new(hurry)).map_err(not_served)?;
         Ok(Page {
             server,
@@ -142,12 +145,12 @@ impl Page {
     ) -> Result<bool, PageError> {
         let mut worker = CaptureWorker::new(capture, scene, about, &self.published, notify, ask);
         let worked = worker.work(&self.events, self.own, source);
-        self.server.end();
+        self.server.shutdown();
         worked
     }
 }
 
-/// The address under which other machines in the local network see this one. Nothing is sent: the system is asked which way it would
+/// Returns the address under which other machines in the local network see this one. Nothing is sent: the system is asked which way it would
 /// take.
 fn own_address() -> Option<IpAddr> {
     let socket = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0)).ok()?;

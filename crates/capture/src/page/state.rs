@@ -1,4 +1,4 @@
-//! What the page shows, as one small JSON value; what was measured of the newest frame, as three meters: focus, light, steadiness.
+//! State of the page as one small JSON value, with the newest frame's measurements as three meters: focus, light, steadiness.
 
 use std::collections::BTreeSet;
 
@@ -9,12 +9,12 @@ use crate::{FrameAnswer, Guidance, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_W
 use scaleproof_pose::scene::{Bin, Viewpoint};
 use scaleproof_pose::tags::{SeenTag, limit_scale};
 
-/// What stays the same while a capture runs.
+/// Facts that stay the same while a capture runs.
 #[derive(Debug, Clone, Serialize)]
 pub struct CaptureInfo {
     pub variant: String,
     pub place: String,
-    /// Where images come from, in a word.
+    /// Kind of the source, in a word.
     pub source: &'static str,
     /// A running camera; its calibration does not fit a phone's photos, so the page takes none.
     pub is_stream: bool,
@@ -24,7 +24,7 @@ pub struct CaptureInfo {
     pub camera_px: [u32; 2],
 }
 
-/// What the pairs of a session that grows say so far.
+/// Interim result of the pairs of a session that grows.
 #[derive(Debug, Clone, Serialize)]
 pub struct PairsSoFar {
     pub sentence: String,
@@ -35,7 +35,7 @@ pub struct PairsSoFar {
     pub next: Option<usize>,
 }
 
-/// All of it.
+/// State of the page.
 #[derive(Debug, Serialize)]
 pub(super) struct PageState<'a> {
     pub revision: u64,
@@ -45,7 +45,7 @@ pub(super) struct PageState<'a> {
     pub views: Vec<ViewState<'a>>,
     pub filled: usize,
     pub frame: Option<&'a ShownFrame>,
-    /// Where pairs are looked at while they are taken.
+    /// Interim result of the pairs; `None` if pairs are not evaluated while they are taken.
     pub pairs: Option<&'a PairsSoFar>,
     /// The view that is required next: the one that would tell most, else by where the camera was last.
     pub next: Option<usize>,
@@ -84,9 +84,9 @@ pub(super) struct ShownFrame {
     pub size_px: [u32; 2],
     pub tags: Vec<TagOutline>,
     pub viewpoint: Option<Viewpoint>,
-    /// Where the camera stands on the dial.
+    /// Camera's distance from the dial's centre, as a share of its radius.
     pub radius_share: Option<f64>,
-    /// How near the next view is: 1 within tolerance, towards 0 far away.
+    /// Closeness of the next view: 1 within tolerance, towards 0 far away.
     pub closeness: f64,
     pub photo: Option<String>,
     pub code: &'static str,
@@ -95,12 +95,12 @@ pub(super) struct ShownFrame {
     pub film: Option<FilmedView>,
 }
 
-/// What is drawn over the picture that a device films.
+/// Overlay on the picture that a device films.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct FilmedView {
     /// The number that its page made up.
     pub device: u32,
-    /// For each sector its outline on the ground about the model, as `TagOutline::corners_px`; empty without a pose.
+    /// Outline of each sector on the ground about the model, as `TagOutline::corners_px`; empty without a pose.
     pub ground_px: Vec<Vec<[f64; 2]>>,
 }
 
@@ -113,13 +113,13 @@ pub(super) struct TagOutline {
     pub corners_px: [[f64; 2]; 4],
 }
 
-/// Sectors, one for each required bin, in the order of the bins.
+/// Returns the required bins in their order, one for each sector.
 pub(super) fn bins(guidance: &Guidance) -> Vec<Bin> {
     let bins: BTreeSet<Bin> = guidance.targets().iter().map(|target| target.bin).collect();
     bins.into_iter().collect()
 }
 
-/// The state of a capture; `redo` holds the targets whose photo was taken back.
+/// Returns the sectors and views of a capture; `redo` has the targets whose photo was taken back.
 pub(super) fn views<'a>(
     guidance: &'a Guidance,
     rings: &DialRings,
@@ -161,7 +161,8 @@ fn name(v: &Viewpoint) -> String {
 
 impl ShownFrame {
     pub(super) fn new(
-        (number, name): (u64, &str),
+        number: u64,
+        name: &str,
         answer: &FrameAnswer,
         guidance: &Guidance,
         rings: &DialRings,
@@ -186,7 +187,7 @@ impl ShownFrame {
     }
 }
 
-/// The one sentence: what to do, or that it is done and where to go next.
+/// Returns the one sentence: the advice, or that the photo is taken and the next step.
 fn said(answer: &FrameAnswer, guidance: &Guidance) -> String {
     let sentence = match &answer.verdict {
         Err(advice) => advice.to_string(),
@@ -213,7 +214,7 @@ fn outline(tag: &SeenTag) -> TagOutline {
     }
 }
 
-/// A pixel as the page draws it: ours, (0, 0), is the centre of the top-left one.
+/// Converts a pixel whose (0, 0) is the centre of the top-left one to the page's, whose (0, 0) is the image's corner.
 pub(super) fn from_corner(px: [f64; 2]) -> [f64; 2] {
     px.map(|v| ((v + 0.5) * 10.0).round() / 10.0)
 }
@@ -226,11 +227,11 @@ pub(super) struct Meter {
     pub position: Option<f64>,
     pub good_zone: [f64; 2],
     pub is_good: Option<bool>,
-    /// In words, so that nothing is said by colour alone.
+    /// The reading in words, so that nothing depends on colour alone.
     pub text: String,
 }
 
-/// The meters of a frame; steadiness is measured in a stream alone.
+/// Returns the meters of a frame; steadiness is measured in a stream alone.
 fn meters(answer: &FrameAnswer, is_stream: bool) -> [Meter; 3] {
     let (measures, scale) = (&answer.measures, limit_scale(answer.size_px));
     let steadiness = if is_stream {
@@ -244,7 +245,7 @@ fn meters(answer: &FrameAnswer, is_stream: bool) -> [Meter; 3] {
     [focus, light(answer), steadiness]
 }
 
-/// A length in px that should be small; the limit is the middle of the meter.
+/// Returns the meter of a length in px that should be small; the limit is its middle.
 fn up_to(name: &'static str, px: Option<f64>, limit_px: f64, [good, bad]: [&str; 2]) -> Meter {
     let Some(px) = px else {
         return unmeasured(name, "not known");
@@ -259,7 +260,7 @@ fn up_to(name: &'static str, px: Option<f64>, limit_px: f64, [good, bad]: [&str;
     }
 }
 
-/// The level of the tags' paper, and what has lost its tone.
+/// Returns the meter of the level of the tags' paper, and of the share that has lost its tone.
 fn light(answer: &FrameAnswer) -> Meter {
     let Some(white) = answer.measures.white_level else {
         return unmeasured("light", "not known");

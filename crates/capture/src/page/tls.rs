@@ -13,12 +13,12 @@ use tokio_rustls::rustls::pki_types::PrivatePkcs8KeyDer;
 
 use scaleproof_core::files;
 
-/// What a TLS record begins with that holds a handshake (RFC 8446, 5.1). No HTTP method does.
+/// First byte of a TLS record with a handshake (RFC 8446, 5.1). No HTTP method begins with it.
 const HANDSHAKE: u8 = 22;
 
 const DAY: Duration = Duration::from_hours(24);
 
-/// A certificate that nobody vouches for: who opens the page compares its fingerprint.
+/// Self-signed certificate; who opens the page compares its fingerprint.
 pub(super) struct Identity {
     pub acceptor: TlsAcceptor,
     /// SHA-256 of the certificate, as browsers show it.
@@ -46,7 +46,7 @@ pub(super) fn identity(ip: IpAddr) -> Result<Identity, String> {
     })
 }
 
-/// Good for a month, and since yesterday, as the phone's clock may be another; Apple's devices refuse years.
+/// Returns the certificate's fields. It is valid for a month, and since yesterday, as the phone's clock may be another; Apple's devices refuse years.
 fn parameters(ip: IpAddr) -> CertificateParams {
     let mut parameters = CertificateParams::default();
     let mut name = DistinguishedName::new();
@@ -66,8 +66,8 @@ fn fingerprint(certificate: &[u8]) -> String {
     pairs.join(":")
 }
 
-/// Whether a connection begins with TLS; waits for its first byte.
-pub(super) async fn is_begun(stream: &TcpStream) -> bool {
+/// Returns true if a connection begins with TLS; waits for its first byte.
+pub(super) async fn begins_with_handshake(stream: &TcpStream) -> bool {
     let mut first = [0];
     stream.peek(&mut first).await.is_ok_and(|count| count == 1) && first[0] == HANDSHAKE
 }

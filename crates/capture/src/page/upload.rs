@@ -13,7 +13,7 @@ use crate::{Original, SourceFrame};
 use scaleproof_photo::{Budget, IPHONE_TO_JPEG, Photo};
 use scaleproof_pose::camera::Camera;
 
-/// Of one photo.
+/// Maximum size of one photo, bytes.
 pub(super) const MAX_BYTES: usize = Budget::UPLOAD.bytes as usize;
 
 /// The rate counts after this time: a phone may have to convert the photo first.
@@ -25,12 +25,12 @@ const LEAST_BYTES_PER_S: f64 = 64_000.0;
 /// A sender that is silent for this long is gone.
 const SILENCE: Duration = Duration::from_secs(8);
 
-/// What takes longer than this is no upload over a local network.
+/// Maximum time of an upload over a local network.
 const WHOLE: Duration = Duration::from_secs(120);
 
 pub(super) type Refusal = (StatusCode, String);
 
-/// Refuses what says itself that it is too large.
+/// Refuses an upload whose header states too large a size.
 pub(super) fn check_length(headers: &HeaderMap) -> Result<(), Refusal> {
     match text(headers, CONTENT_LENGTH).parse::<u64>() {
         Ok(length) if length > MAX_BYTES as u64 => Err(too_large()),
@@ -38,7 +38,7 @@ pub(super) fn check_length(headers: &HeaderMap) -> Result<(), Refusal> {
     }
 }
 
-/// Refuses what says itself that it is no JPEG or PNG. What it is, its bytes tell.
+/// Refuses an upload whose header states another type than an image's. The bytes decide about JPEG or PNG.
 pub(super) fn check_kind(headers: &HeaderMap) -> Result<(), Refusal> {
     let kind = text(headers, CONTENT_TYPE).trim().to_ascii_lowercase();
     let sentence = match kind.as_str() {
@@ -58,7 +58,7 @@ fn text(headers: &HeaderMap, name: HeaderName) -> &str {
     value.unwrap_or_default()
 }
 
-/// The whole body, given up when it grows too large or too slowly.
+/// Reads the whole body; gives up when it grows too large or too slowly.
 pub(super) async fn read(mut body: Body) -> Result<Vec<u8>, Refusal> {
     let begin = Instant::now();
     let slow = "the photo came too slowly: go nearer to the router and send it again";
@@ -81,13 +81,13 @@ pub(super) async fn read(mut body: Body) -> Result<Vec<u8>, Refusal> {
     }
 }
 
-/// The frame of this name that bytes are; its pixels are not decoded here. One that claims to be huge is unreadable.
+/// Makes a frame of a name and bytes without decoding its pixels. One that claims to be huge is unreadable.
 pub(super) fn frame(name: String, bytes: Vec<u8>) -> SourceFrame {
     let photo = Photo::from_bytes(Path::new(&name), bytes, Budget::UPLOAD).map(Photo::into_bytes);
     SourceFrame::untimed(name, Original::from_file(photo))
 }
 
-/// A whole picture of a film must have the size of the camera file's image: the video mode of phones crops and steadies, so that a camera file
+/// Refuses a whole picture of a film of another size than the camera file's image: the video mode of phones crops and steadies, so that a camera file
 /// of photos fits no film even when it has its shape.
 pub(super) fn whole_frame(frame: SourceFrame, camera: &Camera) -> SourceFrame {
     let (Original::Encoded(bytes), own) = (&frame.original, [camera.width, camera.height]) else {

@@ -15,21 +15,20 @@ use super::dial::DialRings;
 use super::error::PageError;
 use super::state::{self, CaptureInfo, FilmedView, PageState, PairsSoFar, ShownFrame};
 use super::{ground, upload};
-use crate::capture::Taking;
+use crate::steady::Taking;
 use crate::{CameraSettings, Capture, FrameAnswer, FrameSource, Guidance, SourceError, SourceFrame, StoreError};
-use scaleproof_core::message::Message;
 use scaleproof_pose::scene::{Bin, Scene};
 
-/// What comes to the worker.
+/// Event that the worker handles.
 pub(super) enum WorkerEvent {
-    /// With what the camera was set to, if it is one.
+    /// A frame of the source, with the settings of its camera if it is one.
     Frame(Result<Option<(SourceFrame, Option<CameraSettings>)>, SourceError>),
-    /// What a browser asks for.
+    /// A browser's request.
     Asked(Action, ReplySender),
     Finish,
 }
 
-/// What a browser may ask of the capture.
+/// Request of a browser to the capture.
 pub(super) enum Action {
     /// A photo's bytes, and the place in memory they take until they are judged.
     Upload(Vec<u8>, OwnedSemaphorePermit),
@@ -44,7 +43,7 @@ pub(super) enum Action {
     /// Take the newest frame by hand.
     Shoot,
     Undo,
-    /// Of the sector with this index.
+    /// Take back the photos of the sector with this index.
     Redo(usize),
 }
 
@@ -54,11 +53,18 @@ pub(super) enum Action {
 pub(super) enum FilmKind {
     /// Small and quickly sent; never taken.
     Preview,
-    /// Of the size of the film.
+    /// A picture of the film's full size.
     Whole,
 }
 
-/// After so long without a picture of the device that films, another may.
+/// Device that films a picture, and the time since its last one.
+#[derive(Clone, Copy)]
+struct FilmedFrom {
+    device: u32,
+    after_ms: u32,
+}
+
+/// Time without a picture of the device that films, after which another may film.
 const FILMING: Duration = Duration::from_secs(2);
 
 pub(super) type ReplySender = oneshot::Sender<ActionReply>;
@@ -69,15 +75,15 @@ pub(super) struct ActionReply {
     #[serde(skip)]
     pub status: StatusCode,
     pub sentence: String,
-    /// As in the terminal's JSON; absent for buttons.
+    /// Code as in the terminal's JSON; absent for buttons.
     pub code: Option<&'static str>,
     pub photo: Option<String>,
-    /// Of a film, whether the next picture should be a whole one.
+    /// True if the next picture of a film should be a whole one.
     pub wants_whole: bool,
 }
 
 impl ActionReply {
-    /// To a button, or that a photo is not taken.
+    /// Creates the reply to a button, or to a photo that is not taken.
     pub(super) fn new(status: StatusCode, sentence: impl Into<String>) -> ActionReply {
         ActionReply {
             status,
@@ -89,7 +95,7 @@ impl ActionReply {
     }
 }
 
-/// What browsers can see now. The newest replaces all older ones: whoever asks late misses some and waits for none.
+/// State that browsers can see now. The newest replaces all older ones: a late request misses some and waits for none.
 #[derive(Default)]
 pub(super) struct Published {
     pub revision: u64,
@@ -108,7 +114,7 @@ pub(super) struct NewestFrame {
     pub is_preview: bool,
 }
 
-/// What the terminal reports.
+/// Event of a capture that the terminal reports.
 pub enum CaptureNotice<'a> {
     Seen {
         frame: &'a str,
@@ -120,12 +126,12 @@ pub enum CaptureNotice<'a> {
     TakenBack {
         photo: &'a str,
     },
-    /// What the camera is set to now.
+    /// The camera's settings have changed.
     Set(&'a CameraSettings),
 }
 
-/// Asks what the pairs say so far; the sentence why it cannot be told ends the capture.
-pub type AskPairs<'a> = &'a dyn Fn(&Guidance) -> Result<PairsSoFar, String>;
+/// Asks what the pairs say so far; an error ends the capture.
+pub type AskPairs<'a> = &'a dyn Fn(&Guidance) -> Result<PairsSoFar, Box<dyn std::error::Error>>;
 
 pub(super) struct CaptureWorker<'a> {
     capture: &'a mut Capture,
@@ -180,7 +186,7 @@ impl<'a> CaptureWorker<'a> {
         }
     }
 
-    /// Works until somebody finishes, or what keeps the capture from going on. Whether the pairs have decided.
+    /// Handles events until somebody finishes; returns true if the pairs have decided.
     pub(super) fn work(
         &mut self,
         events: &Receiver<WorkerEvent>,
@@ -268,11 +274,12 @@ impl<'a> CaptureWorker<'a> {
             } => {
                 self.filming = Some((device, Instant::now()));
                 let frame = upload::frame(format!("film {}", self.frames + 1), bytes);
+                let film = Some(FilmedFrom { device, after_ms });
                 match kind {
-                    FilmKind::Preview => self.judge(frame.into(), Taking::Never, Some((device, after_ms))),
+                    FilmKind::Preview => self.judge(frame.into(), Taking::Never, film),
                     FilmKind::Whole => {
                         let whole = upload::whole_frame(frame, self.capture.camera());
-                        self.judge(whole.into(), Taking::ByItself, Some((device, after_ms)))
+                        self.judge(whole.into(), Taking::ByItself, film)
                     }
                 }
             }
@@ -300,41 +307,43 @@ impl<'a> CaptureWorker<'a> {
         Ok(())
     }
 
-    /// Whether another device than this one films now.
+    /// Returns true if another device than this one films now.
     fn films_elsewhere(&self, device: u32) -> bool {
         (self.filming).is_some_and(|(filming, heard)| filming != device && heard.elapsed() < FILMING)
     }
 
-    /// What is drawn over the picture that a device films.
+    /// Returns the overlay on the picture that a device films.
     fn filmed_view(&self, device: u32, answer: &FrameAnswer) -> FilmedView {
         let [width, height] = answer.size_px;
         let camera = self.capture.camera().for_photo(width, height, 0).ok();
-        let bins = (&*self.bins, self.capture.guidance().azimuth_step_deg(), &self.rings);
+        let step_deg = self.capture.guidance().azimuth_step_deg();
         let seen = answer.pose.as_ref().zip(camera);
-        let ground_px = seen.map(|(pose, fitted)| ground::outlines_px(bins, self.scene, &fitted.camera, pose));
+        let ground_px = seen.map(|(pose, fitted)| {
+            ground::outlines_px(&self.bins, step_deg, &self.rings, self.scene, &fitted.camera, pose)
+        });
         FilmedView {
             device,
             ground_px: ground_px.unwrap_or_default(),
         }
     }
 
-    /// Shows the capture a frame, which the device of this number films so many ms after the last, if one does.
+    /// Shows the capture a frame, of a device's film or of the source.
     fn judge(
         &mut self,
         frame: Arc<SourceFrame>,
         taking: Taking,
-        film: Option<(u32, u32)>,
+        film: Option<FilmedFrom>,
     ) -> Result<ActionReply, PageError> {
         let (answer, wants_whole) = match film {
-            Some((_, after_ms)) => self.capture.filmed(&frame, taking, after_ms)?,
-            None => (self.capture.look(&frame, taking)?, false),
+            Some(film) => self.capture.judge_filmed(&frame, taking, film.after_ms)?,
+            None => (self.capture.judge(&frame, taking)?, false),
         };
-        let film = film.map(|(device, _)| self.filmed_view(device, &answer));
+        let film = film.map(|film| self.filmed_view(film.device, &answer));
         let is_filmed = film.is_some();
         let guidance = self.capture.guidance();
         self.frames += 1;
         let (number, is_stream) = (self.frames, self.about.is_stream || is_filmed);
-        let mut shown = ShownFrame::new((number, &frame.name), &answer, guidance, &self.rings, is_stream);
+        let mut shown = ShownFrame::new(number, &frame.name, &answer, guidance, &self.rings, is_stream);
         shown.film = film;
         let news = CaptureNotice::Seen {
             frame: &frame.name,
@@ -368,7 +377,7 @@ impl<'a> CaptureWorker<'a> {
         Ok(response)
     }
 
-    /// Targets that have a photo.
+    /// Returns the targets that have a photo.
     fn filled(&self) -> BTreeSet<usize> {
         let targets = self.capture.guidance().targets();
         let filled = (0..targets.len()).filter(|index| targets[*index].photo.is_some());
@@ -400,10 +409,10 @@ impl<'a> CaptureWorker<'a> {
         Ok(ActionReply::new(StatusCode::OK, sentence))
     }
 
-    /// Looks at the pairs that are there now.
+    /// Evaluates the pairs that are there now.
     fn ask_pairs(&mut self) -> Result<(), PageError> {
         if let Some(ask) = self.ask {
-            self.pairs = Some(ask(self.capture.guidance()).map_err(Message::new)?);
+            self.pairs = Some(ask(self.capture.guidance()).map_err(PageError::Pairs)?);
         }
         Ok(())
     }
@@ -412,7 +421,7 @@ impl<'a> CaptureWorker<'a> {
         self.pairs.as_ref().is_some_and(|pairs| pairs.is_decided)
     }
 
-    /// The view that is required next.
+    /// Returns the view that is required next.
     fn next(&self) -> Option<usize> {
         if self.is_decided() {
             return None;

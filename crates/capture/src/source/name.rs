@@ -47,7 +47,7 @@ impl FromStr for SourceName {
 }
 
 impl SourceName {
-    /// The folder it reads, if it reads one.
+    /// Returns the folder it reads, if it reads one.
     pub fn folder(&self) -> Option<&Path> {
         match self {
             SourceName::Replay(folder) | SourceName::Watch(folder) => Some(folder),
@@ -55,7 +55,7 @@ impl SourceName {
         }
     }
 
-    /// Its kind, in a word.
+    /// Returns its kind, in a word.
     pub fn kind(&self) -> &'static str {
         match self {
             SourceName::Replay(_) => "replay",

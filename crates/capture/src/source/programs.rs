@@ -1,4 +1,4 @@
-//! Programs that run for a source and write images: asked to end (SIGTERM), and ended when they do not.
+//! Programs that run for a source and write images: ended by SIGTERM, then killed.
 
 use std::collections::BTreeSet;
 use std::io::Read;
@@ -8,13 +8,13 @@ use std::time::{Duration, Instant};
 
 use scaleproof_core::files;
 
-/// What a program gets to end by itself, closing its connection.
+/// Time in which a program may end by itself, closing its connection.
 const GRACE: Duration = Duration::from_secs(3);
-/// After its end its last words are heard within this; what it started itself may hold its standard error open.
+/// Time after its end in which its standard error is read to the end; what it started itself may hold it open.
 const HEARD_WITHIN: Duration = Duration::from_secs(1);
 const LOOK_AGAIN: Duration = Duration::from_millis(10);
 
-/// So much of what it says is kept, bytes; what follows is read and left.
+/// Maximum length of standard error that is kept, bytes; what follows is read and dropped.
 const MOST_SAID: u64 = 16 << 10;
 
 /// Ids of the programs that run.
@@ -63,7 +63,7 @@ impl RunningProgram {
         Ok((program, stdout))
     }
 
-    /// How it ended, if it has.
+    /// Returns the exit status, if it has ended.
     fn ended(&mut self) -> Option<ExitStatus> {
         let status = self.child.try_wait().ok().flatten();
         if status.is_some() {
@@ -72,7 +72,7 @@ impl RunningProgram {
         status
     }
 
-    /// How it ended, waited for.
+    /// Waits for the end; returns the exit status.
     pub(super) fn ended_within(&mut self, limit: Duration) -> Option<ExitStatus> {
         let began = Instant::now();
         loop {
@@ -83,7 +83,7 @@ impl RunningProgram {
         }
     }
 
-    /// Bounds its memory, where the system can: what reads from a network may be told of anything.
+    /// Bounds its memory, where the system can: what comes over a network may announce anything.
     pub(super) fn bound_memory(&self, bytes: u64) {
         #[cfg(target_os = "linux")]
         if let Some(pid) = pid(self.child.id()) {
@@ -98,7 +98,7 @@ impl RunningProgram {
         let _ = bytes;
     }
 
-    /// What it has said on standard error: all of it once it has ended, which may be heard a moment later.
+    /// Returns its standard error so far; once it has ended, all of it.
     pub(super) fn said(&mut self) -> String {
         let began = Instant::now();
         while self.ended().is_some() && !self.listening.is_finished() && began.elapsed() < HEARD_WITHIN {
@@ -149,7 +149,7 @@ fn send(id: u32, ending: Ending) {
 #[cfg(not(unix))]
 fn send(_: u32, _: Ending) {}
 
-/// Whether a child has ended; who owns it hears of it all the same.
+/// Returns true if a child has ended; its status stays for its owner.
 #[cfg(unix)]
 fn has_ended(id: u32) -> bool {
     use rustix::process::{WaitId, WaitIdOptions, waitid};
@@ -171,7 +171,7 @@ fn listen(mut stderr: impl Read, said: &Mutex<Vec<u8>>) {
     }
 }
 
-/// Whether the system has a program of this name.
+/// Returns true if the system has a program of this name.
 pub(super) fn is_there(name: &str) -> bool {
     files::environment::program(name).is_some()
 }

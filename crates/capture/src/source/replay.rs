@@ -17,7 +17,7 @@ use scaleproof_session::{PhotoEntry, Session};
 /// The photos of one variant of a session, one after the other.
 pub struct Replay {
     session: Session,
-    /// In reverse: the next one is the last.
+    /// Photos that are left, in reverse: the next one is the last.
     left: Vec<PhotoEntry>,
     /// Time from one frame to the next.
     pace: Duration,
@@ -25,10 +25,10 @@ pub struct Replay {
 }
 
 impl Replay {
-    /// The photos of `variant` in the session's order, or shuffled by a seed; a frame every `pace`, as fast as possible when that is zero.
+    /// Opens the photos of `variant` in the session's order, or shuffled by a seed; a frame every `pace`, as fast as possible when that is zero.
     ///
     /// # Errors
-    /// What is wrong with the session; no photo of that variant.
+    /// A session that cannot be opened; no photo of that variant.
     pub fn open(folder: &Path, variant: &str, shuffle: Option<u64>, pace: Duration) -> Result<Replay, SourceError> {
         let session = Session::open(folder)?;
         let of_variant = session.photos.iter().filter(|photo| photo.variant == variant);

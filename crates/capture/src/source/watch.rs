@@ -10,13 +10,13 @@ use scaleproof_core::files;
 use scaleproof_core::message::message;
 use scaleproof_photo::{Budget, Photo};
 
-/// How often the folder is looked at.
+/// Interval at which the folder is listed.
 const ROUND: Duration = Duration::from_millis(250);
 
 /// A file counts once it has not changed for this long and decodes.
 const STABLE: Duration = Duration::from_millis(500);
 
-/// A file that does not decode may be waiting for its rest; after so long without a change it is said to be bad.
+/// Time without a change after which a file that does not decode counts as bad; before, its rest may still arrive.
 const PATIENCE: Duration = Duration::from_secs(4);
 
 /// New photos in a folder, by name where several are ready at once.
@@ -38,7 +38,7 @@ struct WatchedFile {
 }
 
 impl Watch {
-    /// `ends`: the source ends when every file in the folder has been given; otherwise it waits for more.
+    /// Opens a folder. With `ends` the source ends when every file in it has been given; otherwise it waits for more.
     ///
     /// # Errors
     /// The folder cannot be read.
@@ -100,7 +100,7 @@ impl Watch {
     }
 }
 
-/// The bytes of a file that decodes, or why there will be none; `None` while its rest may still arrive.
+/// Returns the bytes of a file that decodes, or the reason why there will be none; `None` while its rest may still arrive.
 fn original(path: &Path, size: u64, age: Duration) -> Option<Original> {
     if size > Budget::FILE.bytes {
         let sentence = format!("{} is larger than a photo: move it out of the folder", path.display());

@@ -1,6 +1,6 @@
 //! Four ways to read one number off a curve of precision over recall. On small sets they differ by more than most effects.
 
-/// How the curve becomes the average precision.
+/// Definition by which the curve becomes the average precision.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum ApDefinition {
     /// Mean of the best precision at each of 101 recalls or beyond (pycocotools, `cocoeval.py`).
@@ -10,8 +10,8 @@ pub enum ApDefinition {
     AllPoint,
     /// Mean of the best precision at the 11 recalls 0, 0.1, …, 1 or beyond (Everingham et al. 2010, equations 1 and 2).
     Voc11,
-    /// As YOLOv5's `compute_ap`: joins the last point of the curve to (recall 1, precision 0) by a straight ramp, and so pays for
-    /// truths that were never found. Half of eight cars found give 0.75. Only for figures to be held against that code's.
+    /// YOLOv5's `compute_ap`: joins the last point of the curve to (recall 1, precision 0) by a straight ramp, and so rewards
+    /// truths that were never found. Half of eight cars found give 0.75. Only for comparison with that code's figures.
     Yolov5Ramp,
 }
 
@@ -29,7 +29,7 @@ impl ApDefinition {
         ApDefinition::Yolov5Ramp,
     ];
 
-    /// The name that stands beside the number.
+    /// Returns the name that stands beside the number.
     pub fn name(self) -> &'static str {
         match self {
             ApDefinition::Coco101 => "coco-101",
@@ -39,7 +39,7 @@ impl ApDefinition {
         }
     }
 
-    /// What it is, in a few words.
+    /// Returns its meaning in a few words.
     pub fn meaning(self) -> &'static str {
         match self {
             ApDefinition::Coco101 => "mean of the best precision at each of 101 recalls or beyond",
@@ -51,13 +51,13 @@ impl ApDefinition {
         }
     }
 
-    /// The definition of that name; the error lists the names.
+    /// Returns the definition of that name; the error lists the names.
     pub fn from_name(name: &str) -> Result<ApDefinition, UnknownDefinition> {
         let named = ApDefinition::ALL.into_iter().find(|d| d.name() == name);
         named.ok_or_else(|| UnknownDefinition(name.to_owned()))
     }
 
-    /// The average precision of a curve: (precision, recall) after each detection, the most confident first.
+    /// Returns the average precision of a curve: (precision, recall) after each detection, the most confident first.
     pub fn of_curve(self, curve: &[(f64, f64)]) -> f64 {
         let best = best_from(curve);
         // As numpy's linspace makes them: i times the step, which is not always the double nearest to i / 100.
@@ -71,7 +71,7 @@ impl ApDefinition {
     }
 }
 
-/// For each point of the curve the best precision there or further on.
+/// Returns for each point of the curve the best precision there or further on.
 fn best_from(curve: &[(f64, f64)]) -> Vec<f64> {
     let mut precision: Vec<f64> = curve.iter().map(|(p, _)| *p).collect();
     for i in (1..precision.len()).rev() {
@@ -80,7 +80,7 @@ fn best_from(curve: &[(f64, f64)]) -> Vec<f64> {
     precision
 }
 
-/// The best precision at a recall or beyond; 0 beyond the recall that was reached.
+/// Returns the best precision at a recall or beyond; 0 beyond the recall that was reached.
 fn at(curve: &[(f64, f64)], best: &[f64], recall: f64) -> f64 {
     let first = curve.partition_point(|(_, r)| *r < recall);
     best.get(first).copied().unwrap_or(0.0)

@@ -29,12 +29,12 @@ pub struct AveragePrecision {
     pub recall: f64,
 }
 
-/// AP as COCO defines it, over 101 recall points, at one IoU threshold; `None` without any truth.
+/// Computes AP as COCO defines it, over 101 recall points, at one IoU threshold; `None` without any truth.
 pub fn average_precision(images: &[ImageBoxes], iou: f64) -> Option<AveragePrecision> {
     average_precision_as(ApDefinition::Coco101, images, iou)
 }
 
-/// AP by the definition named, at one IoU threshold; `None` without any truth. Matching is COCO's in all of them.
+/// Computes AP by a definition, at one IoU threshold; `None` without any truth. Matching is COCO's in all of them.
 pub fn average_precision_as(definition: ApDefinition, images: &[ImageBoxes], iou: f64) -> Option<AveragePrecision> {
     let curve = Ranked::new(images, iou).curve(|_| 1)?;
     Some(AveragePrecision {
@@ -43,7 +43,7 @@ pub fn average_precision_as(definition: ApDefinition, images: &[ImageBoxes], iou
     })
 }
 
-/// The means of AP and of the recall reached over COCO's ten IoU thresholds; `None` without any truth.
+/// Returns the means of AP and of the recall reached over COCO's ten IoU thresholds; `None` without any truth.
 pub fn over_ious(definition: ApDefinition, images: &[ImageBoxes]) -> Option<AveragePrecision> {
     let mut sum = AveragePrecision { ap: 0.0, recall: 0.0 };
     for iou in ious() {
@@ -58,7 +58,7 @@ pub fn over_ious(definition: ApDefinition, images: &[ImageBoxes]) -> Option<Aver
     })
 }
 
-/// IoU 0.5 to 0.95, as numpy's linspace makes them.
+/// Returns the IoUs 0.5 to 0.95, as numpy's linspace computes them.
 pub fn ious() -> impl Iterator<Item = f64> {
     (0..THRESHOLDS).map(|i| 0.5 + f64::from(i) * (0.45 / 9.0))
 }
@@ -85,7 +85,7 @@ impl Ranked {
         }
     }
 
-    /// (precision, recall) after each detection, each image taken `times` over; `None` without any truth.
+    /// Computes (precision, recall) after each detection, each image counted `times` times; `None` without any truth.
     pub fn curve(&self, times: impl Fn(usize) -> u32) -> Option<Vec<(f64, f64)>> {
         let truths: usize = self.truths.iter().enumerate().map(|(i, n)| n * times(i) as usize).sum();
         let (mut all, mut right) = (0_usize, 0_usize);
@@ -101,7 +101,7 @@ impl Ranked {
     }
 }
 
-/// Each detection of an image, best first: its score, and whether it found a truth.
+/// Matches the detections of an image, best first; returns the score of each, and true if it found a truth.
 ///
 /// A detection takes the truth it overlaps most among those not taken yet; of equal overlaps the later truth.
 fn judge(image: &ImageBoxes, iou: f64) -> Vec<(f64, bool)> {

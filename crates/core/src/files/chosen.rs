@@ -14,7 +14,7 @@ use super::error::FileError;
 use super::inputs;
 
 /// Looks at what lies at a place itself, and not at what a link there leads to.
-fn at(path: &Path) -> Option<Metadata> {
+fn metadata_of(path: &Path) -> Option<Metadata> {
     std::fs::symlink_metadata(path).ok()
 }
 
@@ -39,7 +39,7 @@ pub(super) fn check(home: &Path, path: &Path) -> Result<(), FileError> {
 }
 
 fn is_folder_or_absent(folder: &Path) -> Result<bool, FileError> {
-    match at(folder) {
+    match metadata_of(folder) {
         None => Ok(false),
         Some(about) if about.is_dir() => Ok(true),
         Some(_) => Err(FileError::cannot_write(
@@ -76,7 +76,7 @@ pub fn remove_folder(home: &Path, folder: &Path) -> Result<(), FileError> {
     gone(folder, std::fs::remove_dir_all(folder))
 }
 
-/// The end of a removal, which may find nothing to remove.
+/// Accepts a removal that found nothing to remove.
 fn gone(path: &Path, removed: std::io::Result<()>) -> Result<(), FileError> {
     match removed {
         Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(FileError::write(path, &e)),
@@ -95,19 +95,19 @@ pub fn rename(home: &Path, from: &Path, to: &Path) -> Result<(), FileError> {
     std::fs::rename(from, to).map_err(|e| FileError::write(to, &e))
 }
 
-/// A new file to be written as it comes, such as a log; what had its name is gone.
+/// Creates a file that is written bit by bit, such as a log; what had its name is removed.
 pub fn new_file(home: &Path, path: &Path) -> Result<File, FileError> {
     remove(home, path)?;
     File::create_new(path).map_err(|e| FileError::write(path, &e))
 }
 
-/// The length of a file that an earlier run began and this one goes on with; 0 where it is not there.
+/// Returns the length of a file that an earlier run began and this one goes on with; 0 where it is not there.
 ///
 /// # Errors
-/// What is no file, or one that has a second name: what is appended would be in that one, too.
+/// It is no file, or has a second name: what is appended would be in that one, too.
 pub fn begun(home: &Path, path: &Path) -> Result<u64, FileError> {
     check(home, path)?;
-    match at(path) {
+    match metadata_of(path) {
         None => Ok(0),
         Some(about) if about.is_file() && names(&about) == 1 => Ok(about.len()),
         Some(_) => Err(FileError::content(
@@ -117,7 +117,7 @@ pub fn begun(home: &Path, path: &Path) -> Result<u64, FileError> {
     }
 }
 
-/// A file that an earlier run began, to append to it.
+/// Opens a file that an earlier run began, to append to it.
 pub fn appended(home: &Path, path: &Path) -> Result<File, FileError> {
     begun(home, path)?;
     inputs::refuse(path)?;
@@ -125,7 +125,7 @@ pub fn appended(home: &Path, path: &Path) -> Result<File, FileError> {
     ours(OpenOptions::new().append(true)).open(path).map_err(failed)
 }
 
-/// A file that only says, by its lock, that a run is at work; made where it is missing, and never written to.
+/// Opens a file that only says, by its lock, that a run is at work; made where it is missing, and never written to.
 pub fn mark(home: &Path, path: &Path) -> Result<File, FileError> {
     begun(home, path)?;
     let failed = |e| FileError::write(path, &e);
@@ -135,7 +135,7 @@ pub fn mark(home: &Path, path: &Path) -> Result<File, FileError> {
         .map_err(failed)
 }
 
-/// What an earlier run kept at a place; `None` where it is no regular file, cannot be read or has more than so many bytes. It is no input: it may be
+/// Reads what an earlier run kept at a place; `None` if it is no regular file, cannot be read or has more than `most_bytes`. It is no input: it may be
 /// written again.
 pub fn kept(home: &Path, path: &Path, most_bytes: u64) -> Option<Vec<u8>> {
     check(home, path).ok()?;
@@ -161,7 +161,7 @@ fn ours(options: &mut OpenOptions) -> &mut OpenOptions {
     options
 }
 
-/// How many names a file has.
+/// Returns the number of a file's names.
 #[cfg(unix)]
 fn names(about: &Metadata) -> u64 {
     std::os::unix::fs::MetadataExt::nlink(about)

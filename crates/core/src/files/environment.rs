@@ -3,17 +3,17 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-/// The value of an environment variable; `None` where it is unset or empty.
+/// Returns the value of an environment variable; `None` where it is unset or empty.
 pub fn variable(name: &str) -> Option<OsString> {
     std::env::var_os(name).filter(|value| !value.is_empty())
 }
 
-/// The text of an environment variable; `None` where it is unset, empty or no Unicode.
+/// Returns the text of an environment variable; `None` where it is unset, empty or no Unicode.
 pub fn text(name: &str) -> Option<String> {
     variable(name)?.into_string().ok()
 }
 
-/// The file of a program, in the first folder of `PATH` that has one of this name.
+/// Returns the file of a program, in the first folder of `PATH` that has one of this name.
 pub fn program(name: &str) -> Option<PathBuf> {
     let folders = variable("PATH")?;
     let mut places = std::env::split_paths(&folders).map(|folder| folder.join(name));

@@ -11,12 +11,12 @@ use super::inputs;
 use super::path::name_of;
 use super::read::{not_a_file, read};
 
-/// SHA-256 of some bytes, in lower-case hex.
+/// Returns the SHA-256 of some bytes, in lower-case hex.
 pub fn sha256_hex(bytes: &[u8]) -> String {
     hex(&Sha256::digest(bytes))
 }
 
-/// SHA-256 of a file of any length, in lower-case hex, read in parts.
+/// Returns the SHA-256 of a file of any length, in lower-case hex; the file is read in parts.
 pub fn sha256_of_file(path: &Path) -> Result<String, FileError> {
     let failed = |e| FileError::read(path, &e);
     inputs::note(path);
@@ -38,7 +38,7 @@ fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|b| format!("{b:02x}")).collect()
 }
 
-/// A file's name with its SHA-256.
+/// Returns a file's name with its SHA-256.
 pub fn hashed(path: &Path) -> Result<(String, String), FileError> {
     Ok((name_of(path), sha256_hex(&read(path)?)))
 }

@@ -13,36 +13,36 @@ use crate::message::bail;
 
 /// Whole paths without links.
 #[derive(Default)]
-struct Met {
+struct KnownFiles {
     read: BTreeSet<PathBuf>,
-    /// What this run wrote is no input, although it may be read again.
+    /// Files that this run wrote: no inputs, although they may be read again.
     written: BTreeSet<PathBuf>,
 }
 
-static MET: Mutex<Option<Met>> = Mutex::new(None);
+static KNOWN: Mutex<Option<KnownFiles>> = Mutex::new(None);
 
-fn met() -> MutexGuard<'static, Option<Met>> {
-    MET.lock().unwrap_or_else(PoisonError::into_inner)
+fn known() -> MutexGuard<'static, Option<KnownFiles>> {
+    KNOWN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// From here on every file that is read is an input of this run, and writing over it is refused.
+/// Makes every file that is read from here on an input of this run, over which nothing is written.
 pub fn guard() {
-    met().get_or_insert_default();
+    known().get_or_insert_default();
 }
 
 /// Makes a file an input of this run without reading it: one that another input names, as a mesh names its images.
 pub fn note(path: &Path) {
-    let mut met = met();
-    let Some(met) = met.as_mut() else { return };
+    let mut known = known();
+    let Some(known) = known.as_mut() else { return };
     if let Ok(path) = path.canonicalize()
-        && !met.written.contains(&path)
+        && !known.written.contains(&path)
     {
-        met.read.insert(path);
+        known.read.insert(path);
     }
 }
 
 pub(super) fn refuse(path: &Path) -> Result<(), FileError> {
-    let is_input = met().as_ref().is_some_and(|met| met.read.contains(&place(path)));
+    let is_input = known().as_ref().is_some_and(|known| known.read.contains(&place(path)));
     if is_input {
         Err(FileError::is_input(path))
     } else {
@@ -53,10 +53,10 @@ pub(super) fn refuse(path: &Path) -> Result<(), FileError> {
 /// Refuses a folder that an input lies in.
 pub(super) fn refuse_below(folder: &Path) -> Result<(), FileError> {
     let place = place(folder);
-    let met = met();
-    let inside = met
+    let known = known();
+    let inside = known
         .as_ref()
-        .and_then(|met| met.read.iter().find(|read| read.starts_with(&place)));
+        .and_then(|known| known.read.iter().find(|read| read.starts_with(&place)));
     inside.map_or(Ok(()), |path| Err(FileError::is_input(path)))
 }
 
@@ -73,16 +73,16 @@ pub(super) fn refuse_twice<'a>(outputs: impl IntoIterator<Item = &'a Path>) -> R
 /// Makes a file this run's own, unless it was read before: a checkpoint, say, or the list of a session that goes on. It may be read from here
 /// on, and written again. What this run writes is its own by itself.
 pub fn own(path: &Path) {
-    let mut met = met();
-    if let Some(met) = met.as_mut() {
+    let mut known = known();
+    if let Some(known) = known.as_mut() {
         let place = place(path);
-        if !met.read.contains(&place) {
-            met.written.insert(place);
+        if !known.read.contains(&place) {
+            known.written.insert(place);
         }
     }
 }
 
-/// The whole path of a file that may not be there yet.
+/// Returns the whole path of a file that may not be there yet.
 fn place(path: &Path) -> PathBuf {
     let in_folder = || Some(folder_of(path).canonicalize().ok()?.join(path.file_name()?));
     let place = path.canonicalize().ok().or_else(in_folder);

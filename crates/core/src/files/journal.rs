@@ -89,7 +89,7 @@ fn identity(_: &Path) -> Option<String> {
     None
 }
 
-/// Lines of the notes by folder. However a folder is spelled, it is one: its lock taken twice would wait for itself.
+/// Sorts the lines of the notes by folder. However a folder is spelled, it is one: its lock taken twice would wait for itself.
 fn by_folder(staged: &[Staged]) -> BTreeMap<PathBuf, Vec<String>> {
     let mut folders: BTreeMap<PathBuf, Vec<String>> = BTreeMap::new();
     for file in staged {
@@ -164,7 +164,7 @@ fn tidy_now(folder: &Path) {
     }
 }
 
-/// A regular file or a folder that no running program is at work on.
+/// Opens a regular file or a folder that no running program is at work on.
 fn left_behind(path: &Path) -> Option<File> {
     let about = std::fs::symlink_metadata(path).ok()?;
     let file = (about.is_file() || about.is_dir()).then(|| File::open(path).ok())??;
@@ -201,7 +201,7 @@ fn noted(line: &str) -> Option<(&str, &str, &str)> {
     Some((identity, temporary, name_of(temporary)?))
 }
 
-/// `None`, which is before any time, for what is not there.
+/// Returns the time of the last change; `None`, which is before any time, for what is not there.
 fn modified(path: &Path) -> Option<SystemTime> {
     std::fs::symlink_metadata(path).and_then(|about| about.modified()).ok()
 }

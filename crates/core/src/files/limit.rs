@@ -1,6 +1,6 @@
 //! The largest file that this process may write.
 
-/// From now on a file that grows past what the system lets this process write (`ulimit -f`) cannot be written, as on a full disk; a process that does not
+/// Lets a file that grows past what the system lets this process write (`ulimit -f`) fail to be written, as on a full disk; a process that does not
 /// ask for that is ended by the signal SIGXFSZ, without a word. Programs that are started from here inherit it. Does nothing off Linux and macOS.
 #[cfg(any(target_os = "linux", target_os = "macos"))]
 pub fn fail_instead_of_ending() {

@@ -1,4 +1,4 @@
-//! What lies where an output is to go: a file, a stream, or something that must stay as it is.
+//! Place of an output: a file, a stream, or something that must stay as it is.
 
 use std::fs::{FileType, OpenOptions};
 use std::io::Write;
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::{FileError, plain};
 
-/// Where an output goes.
+/// Place of an output.
 #[derive(Debug)]
 pub(super) enum OutputPlace {
     /// A regular file, or one to be made; what a symbolic link points to.
@@ -41,7 +41,7 @@ pub fn is_standard_output(path: &Path) -> bool {
     ["-", "/dev/stdout"].iter().any(|name| path == Path::new(name))
 }
 
-/// Whether an output is written to as a stream: standard output, a named pipe or a character device.
+/// Returns true if an output is written to as a stream: standard output, a named pipe or a character device.
 pub fn is_stream(path: &Path) -> Result<bool, FileError> {
     Ok(matches!(OutputPlace::at(path)?, OutputPlace::Stream(_)))
 }

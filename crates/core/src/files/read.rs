@@ -7,7 +7,7 @@ use std::path::Path;
 use super::error::FileError;
 use super::inputs;
 
-/// No file that this program reads whole is larger: a frame set's list, a COCO file and a network's weights have some hundred megabytes.
+/// Maximum size of a file, bytes: a frame set's list, a COCO file and a network's weights have some hundred megabytes.
 const MOST_BYTES: u64 = 4 << 30;
 
 /// Reads a whole file of up to 4 GiB.
@@ -39,7 +39,7 @@ pub fn read_at_most(path: &Path, most_bytes: u64) -> Result<Vec<u8>, FileError> 
     Ok(bytes)
 }
 
-/// Texts are smaller than networks: the annotations of a large set have some hundred megabytes.
+/// Maximum size of a text, bytes: the annotations of a large set have some hundred megabytes.
 const MOST_TEXT: u64 = 1 << 30;
 
 /// Reads a whole UTF-8 text file of up to 1 GiB.
@@ -47,12 +47,12 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
     read_text_at_most(path, MOST_TEXT)
 }
 
-/// As [`read_at_most`], of a UTF-8 text.
+/// Reads a UTF-8 text as [`read_at_most`] does.
 pub fn read_text_at_most(path: &Path, most_bytes: u64) -> Result<String, FileError> {
     String::from_utf8(read_at_most(path, most_bytes)?).map_err(|_| FileError::cannot_read(path, "it is not UTF-8 text"))
 }
 
-/// About a folder in a file's place: what it has of the files that are named by their folder most often.
+/// Describes a folder in a file's place, with those of the usual files that it holds.
 pub(super) fn not_a_file(path: &Path) -> String {
     let usual = ["pattern.png", "scene.toml", "camera.yaml", "session.json"];
     let inside: Vec<String> = usual

@@ -53,7 +53,7 @@ impl Drop for Staged {
     }
 }
 
-/// The process and a number of it, as in `4711_3`.
+/// Returns the process and a number of it, as in `4711_3`.
 pub(super) fn unique() -> String {
     static COUNT: AtomicU32 = AtomicU32::new(0);
     format!("{}_{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed))
@@ -61,7 +61,7 @@ pub(super) fn unique() -> String {
 
 const ENDING: &str = ".partial";
 
-/// The name that a file under this temporary name is for; `None` for names that are no temporary ones.
+/// Returns the name that a file under this temporary name is for; `None` for names that are no temporary ones.
 pub(super) fn name_of(temporary: &str) -> Option<&str> {
     let (name, numbers) = temporary.strip_prefix('.')?.strip_suffix(ENDING)?.rsplit_once('.')?;
     let (process, number) = numbers.split_once('_')?;

@@ -1,4 +1,4 @@
-//! What a file was like when it was read.
+//! State of a file when it was read.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ pub struct FileState {
 }
 
 impl FileState {
-    /// To be taken before the file is read.
+    /// Takes the state of a file, before it is read.
     pub fn of(path: &Path) -> Result<FileState, FileError> {
         let about = path.metadata().map_err(|e| FileError::read(path, &e))?;
         let path = path.to_owned();

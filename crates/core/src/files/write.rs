@@ -95,7 +95,7 @@ pub fn check_writable(folder: &Path) -> Result<(), FileError> {
     }
 }
 
-/// By a file that is gone again at once; what killed runs left in the folder goes, too.
+/// Tries a file that is removed at once; what killed runs left in the folder is removed, too.
 fn takes_files(folder: &Path) -> Result<(), FileError> {
     journal::tidy(folder);
     let probe = folder.join(".scaleproof");

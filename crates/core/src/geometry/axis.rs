@@ -28,7 +28,7 @@ impl From<NoDirection> for Message {
 }
 
 impl SignedAxis {
-    /// The direction along the axis with this index (x, y, z), which is taken modulo 3.
+    /// Returns the direction along the axis with this index (x, y, z), which is taken modulo 3.
     pub fn new(index: usize, is_negative: bool) -> Self {
         let index = index % 3;
         Self { index, is_negative }
@@ -44,7 +44,7 @@ impl SignedAxis {
         if self.is_negative { -1.0 } else { 1.0 }
     }
 
-    /// The other direction along this axis.
+    /// Returns the other direction along this axis.
     #[must_use]
     pub fn opposite(self) -> Self {
         Self::new(self.index, !self.is_negative)

@@ -57,7 +57,7 @@ impl BoxPx {
         if either > 0.0 { both / either } else { 0.0 }
     }
 
-    /// The part inside an image of the given size in pixels.
+    /// Returns the part inside an image of the given size in pixels.
     pub fn clipped(&self, width: f64, height: f64) -> BoxPx {
         BoxPx::new(
             self.x1.clamp(0.0, width),
@@ -85,7 +85,7 @@ impl BoxPx {
         Ok(())
     }
 
-    /// The smallest box around some points (x, y); `None` without points.
+    /// Returns the smallest box around some points (x, y); `None` without points.
     pub fn around(points: impl IntoIterator<Item = [f64; 2]>) -> Option<BoxPx> {
         points.into_iter().fold(None, |found, [x, y]| match found {
             None => Some(BoxPx::new(x, y, x, y)),

@@ -10,7 +10,7 @@ const STEPS: usize = 20;
 /// Squares of normalised points below this are rounding: four points are met.
 const EXACT: f64 = 1e-26;
 
-/// The map that takes each point of a plane nearest to its partner: the direct linear transform on normalised points (Hartley &
+/// Returns the map that takes each point of a plane nearest to its partner: the direct linear transform on normalised points (Hartley &
 /// Zisserman 2004, algorithm 4.2), then least squares of the distances in the second plane (its section 4.2.3). Four points are met exactly.
 ///
 /// `None` for fewer than four points, points on a line, or numbers that are not finite.
@@ -28,7 +28,7 @@ pub fn fitted(from: &[[f64; 2]], to: &[[f64; 2]]) -> Option<Matrix3<f64>> {
     map.iter().all(|v| v.is_finite()).then(|| map / map.norm())
 }
 
-/// Where a map takes a point; infinite on its horizon.
+/// Maps a point; infinite on the horizon.
 pub fn mapped(by: &Matrix3<f64>, [x, y]: [f64; 2]) -> [f64; 2] {
     let p = by * Vector3::new(x, y, 1.0);
     [p.x / p.z, p.y / p.z]
@@ -45,7 +45,7 @@ fn normalising(points: &[[f64; 2]]) -> Option<Matrix3<f64>> {
     scale.is_finite().then_some(map)
 }
 
-/// The unit vector of nine numbers that leaves the least of the linear equations.
+/// Returns the unit vector of nine numbers that leaves the least of the linear equations.
 fn linear(from: &[[f64; 2]], to: &[[f64; 2]]) -> Option<Matrix3<f64>> {
     let mut sums = SMatrix::<f64, 9, 9>::zeros();
     for ([x, y], [u, v]) in from.iter().zip(to) {
@@ -66,7 +66,7 @@ fn linear(from: &[[f64; 2]], to: &[[f64; 2]]) -> Option<Matrix3<f64>> {
     (!is_open).then(|| Matrix3::from_row_iterator(answer.iter().copied()))
 }
 
-/// The least sum of squared distances near a map, which keeps its length 1.
+/// Returns the least sum of squared distances near a map, which keeps its length 1.
 fn refined(start: Matrix3<f64>, from: &[[f64; 2]], to: &[[f64; 2]]) -> Option<Matrix3<f64>> {
     let mut map = start / start.norm();
     let mut cost = squares(&map, from, to);

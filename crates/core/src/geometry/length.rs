@@ -20,7 +20,7 @@ pub const SCALES: RangeInclusive<f64> = 0.01..=10_000.0;
 #[error("{what} cannot be {value} mm; give {least} to {most} mm")]
 pub struct BadLength {
     what: String,
-    /// As [`shown`].
+    /// Value in words, as by [`shown`].
     value: String,
     least: f64,
     most: f64,
@@ -32,22 +32,22 @@ impl From<BadLength> for Message {
     }
 }
 
-/// The size of a thing. `what` begins the sentence of a refusal.
+/// Checks the size of a thing. `what` begins the sentence of a refusal.
 pub fn size_mm(what: &str, value: f64) -> Result<f64, BadLength> {
     within(what, value, SHORTEST_MM..=LONGEST_MM)
 }
 
-/// A strip or a distance that may be 0.
+/// Checks a strip or a distance that may be 0.
 pub fn strip_mm(what: &str, value: f64) -> Result<f64, BadLength> {
     within(what, value, 0.0..=LONGEST_MM)
 }
 
-/// A glue tab: wide enough to hold, narrow enough to fold.
+/// Checks a glue tab: wide enough to hold, narrow enough to fold.
 pub fn tab_mm(value: f64) -> Result<f64, BadLength> {
     within("a glue tab", value, 4.0..=15.0)
 }
 
-/// A coordinate, which may be negative.
+/// Checks a coordinate, which may be negative.
 pub fn place_mm(what: &str, value: f64) -> Result<f64, BadLength> {
     within(what, value, -LONGEST_MM..=LONGEST_MM)
 }
@@ -64,7 +64,7 @@ const UNITS: [(&str, f64); 8] = [
     ("m", 1000.0),
 ];
 
-/// A length in mm: a number of mm, or of the unit behind it, as in `17.9in`.
+/// Reads a length in mm: a number of mm, or of the unit behind it, as in `17.9in`.
 pub fn parse_mm(text: &str) -> Result<f64, ParseFloatError> {
     let (number, mm) = in_unit(text).unwrap_or((text, 1.0));
     Ok(mm * number.trim().parse::<f64>()?)
@@ -90,12 +90,12 @@ pub fn parse_sides_mm<const N: usize>(text: &str) -> Option<[f64; N]> {
     sides?.try_into().ok()
 }
 
-/// Whether [`size_mm`] takes it, for those who refuse it in words of their own.
+/// Returns true if [`size_mm`] accepts it, for callers with an error of their own.
 pub fn is_size(mm: f64) -> bool {
     (SHORTEST_MM..=LONGEST_MM).contains(&mm)
 }
 
-/// A number in a sentence: plain, or with an exponent where it would fill a line.
+/// Formats a number for a sentence: plain, or with an exponent where it would fill a line.
 pub fn shown(value: f64) -> String {
     let is_plain = value == 0.0 || !value.is_finite() || (1e-6..1e9).contains(&value.abs());
     if is_plain {
@@ -105,7 +105,7 @@ pub fn shown(value: f64) -> String {
     }
 }
 
-/// A number with up to three decimals and no trailing zeros.
+/// Formats a number with up to three decimals and no trailing zeros.
 pub fn number(value: f64) -> String {
     let text = format!("{value:.3}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()

@@ -11,17 +11,17 @@ pub fn distance(a: Point2, b: Point2) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// The point at a share of the way from one point to another: 0 is the first, 1 the second, and other shares go on beyond them.
+/// Returns the point at a share of the way from one point to another: 0 is the first, 1 the second, and other shares go on beyond them.
 pub fn between(from: Point2, to: Point2, share: f64) -> Point2 {
     [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]))
 }
 
-/// The point at a distance from another one, along a unit vector.
+/// Returns the point at a distance from another one, along a unit vector.
 pub fn offset(p: Point2, along: Point2, by: f64) -> Point2 {
     [0, 1].map(|axis| p[axis] + by * along[axis])
 }
 
-/// The share of the way along a segment at which it is nearest to a point: 0 and 1 at its ends.
+/// Returns the share of the way along a segment at which it is nearest to a point: 0 and 1 at its ends.
 pub fn nearest_share(p: Point2, [a, b]: [Point2; 2]) -> f64 {
     let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
     let along = ((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / (dx * dx + dy * dy).max(f64::MIN_POSITIVE);
@@ -33,7 +33,7 @@ pub fn to_segment(p: Point2, [a, b]: [Point2; 2]) -> f64 {
     (p[0] - a[0] - along * (b[0] - a[0])).hypot(p[1] - a[1] - along * (b[1] - a[1]))
 }
 
-/// The stretches of a range on which something holds.
+/// Returns the stretches of a range on which something holds.
 pub fn stretches(range: Range<usize>, holds: impl Fn(&usize) -> bool) -> Vec<Range<usize>> {
     let mut found: Vec<Range<usize>> = Vec::new();
     for i in range.filter(holds) {
@@ -45,7 +45,7 @@ pub fn stretches(range: Range<usize>, holds: impl Fn(&usize) -> bool) -> Vec<Ran
     found
 }
 
-/// The cells left of, right of, above and below one of a grid that is counted row by row; `None` beyond its border.
+/// Returns the cells left of, right of, above and below one of a grid that is counted row by row; `None` beyond its border.
 pub fn cells_beside(i: usize, columns: usize, rows: usize) -> [Option<usize>; 4] {
     let (column, row) = (i % columns, i / columns);
     [
@@ -56,7 +56,7 @@ pub fn cells_beside(i: usize, columns: usize, rows: usize) -> [Option<usize>; 4]
     ]
 }
 
-/// The corners of a regular polygon around a point, counter-clockwise from the right.
+/// Returns the corners of a regular polygon around a point, counter-clockwise from the right.
 pub fn circle([x, y]: Point2, radius: f64, corners: u32) -> impl Iterator<Item = Point2> {
     (0..corners).map(move |i| {
         let (sin, cos) = (f64::from(i) * std::f64::consts::TAU / f64::from(corners)).sin_cos();
@@ -64,7 +64,7 @@ pub fn circle([x, y]: Point2, radius: f64, corners: u32) -> impl Iterator<Item =
     })
 }
 
-/// The smallest and the largest of some numbers; infinity and its negative for none.
+/// Returns the smallest and the largest of some numbers; infinity and its negative for none.
 pub fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
     let start = (f64::INFINITY, f64::NEG_INFINITY);
     values
@@ -77,7 +77,7 @@ pub fn doubled_area(a: Point2, b: Point2, c: Point2) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// The corners of the convex hull, in order around it; points on its sides are left out. By the monotone chain (Andrew 1979).
+/// Returns the corners of the convex hull, in order around it; points on its sides are left out. By the monotone chain (Andrew 1979).
 pub fn convex_hull(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     let chain = |points: &mut dyn Iterator<Item = [f64; 2]>| {
@@ -96,7 +96,7 @@ pub fn convex_hull(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     [lower, upper].concat()
 }
 
-/// The axes of a view from outside: to the right, up and towards the viewer, who stands at an azimuth (counter-clockwise from x) and an
+/// Returns the axes of a view from outside: to the right, up and towards the viewer, who stands at an azimuth (counter-clockwise from x) and an
 /// elevation above the xy plane.
 pub fn view_axes(azimuth_deg: f64, elevation_deg: f64) -> [Vector3<f64>; 3] {
     let (sin, cos) = azimuth_deg.to_radians().sin_cos();
@@ -124,7 +124,7 @@ impl PlaneTriangle {
         (doubled_area != 0.0).then_some(Self { corners, doubled_area })
     }
 
-    /// The barycentric coordinates of a point; `None` outside the triangle, where one is below −[`Self::EDGE`].
+    /// Returns the barycentric coordinates of a point; `None` outside the triangle, where one is below −[`Self::EDGE`].
     pub fn barycentric(&self, p: Point2) -> Option<[f64; 3]> {
         let [a, b, c] = self.corners;
         let parts = [doubled_area(b, c, p), doubled_area(c, a, p), doubled_area(a, b, p)];
@@ -132,12 +132,12 @@ impl PlaneTriangle {
         shares.iter().all(|share| *share >= -Self::EDGE).then_some(shares)
     }
 
-    /// The unit cells along an axis that the box around the triangle meets, of those in a range.
+    /// Returns the unit cells along an axis that the box around the triangle meets, of those in a range.
     pub fn cells(&self, axis: usize, within: Range<usize>) -> Range<usize> {
         cells_between(extent(self.corners.map(|p| p[axis])), within)
     }
 
-    /// The unit cells of a row that the part of the triangle in this row meets, of those in a range: what a sliver crosses, and not the box around it.
+    /// Returns the unit cells of a row that the part of the triangle in this row meets, of those in a range: what a sliver crosses, and not the box around it.
     /// None is missing in which [`Self::barycentric`] takes a point for inside.
     pub fn cells_of_row(&self, row: usize, within: Range<usize>) -> Range<usize> {
         // By the tolerance of the edges, a point may lie as far outside as a billionth of the triangle's size.
@@ -169,7 +169,7 @@ impl PlaneTriangle {
     }
 }
 
-/// The unit cells that an interval meets, of those in a range.
+/// Returns the unit cells that an interval meets, of those in a range.
 fn cells_between((low, high): (f64, f64), within: Range<usize>) -> Range<usize> {
     let clamped = |v: f64| v.clamp(within.start as f64, within.end as f64) as usize;
     clamped(low.floor())..clamped(high.floor() + 1.0)
@@ -180,12 +180,12 @@ fn cells_between((low, high): (f64, f64), within: Range<usize>) -> Range<usize> 
 pub struct UnionFind(Vec<usize>);
 
 impl UnionFind {
-    /// So many sets of one member each.
+    /// Creates sets of one member each.
     pub fn new(count: usize) -> Self {
         Self((0..count).collect())
     }
 
-    /// The smallest member of the set that this one is in.
+    /// Returns the smallest member of the set that this one is in.
     pub fn root(&mut self, mut i: usize) -> usize {
         while self.0[i] != i {
             self.0[i] = self.0[self.0[i]];

@@ -13,7 +13,7 @@ pub const DRAWS: usize = 2000;
 /// The seed of every interval: same photos, same interval.
 pub const SEED: u64 = 1;
 
-/// With fewer clusters no exact paired test can reach p < 0.05 (2 / 2⁵ = 0.06), and no resampling knows better.
+/// Least number of clusters with which an exact paired test can reach p < 0.05 (2 / 2⁵ = 0.06); resampling of fewer knows no better.
 pub const FEWEST_CLUSTERS: usize = 6;
 
 /// Figures that differ by less are the same.
@@ -26,7 +26,7 @@ pub struct Interval {
     pub high: f64,
 }
 
-/// 95 % intervals of figures over `clusters` clusters, all from the same draws.
+/// Computes 95 % intervals of figures over `clusters` clusters, all from the same draws.
 ///
 /// Clusters are drawn with replacement, and `figures_of` gets how often each was drawn: a cluster drawn twice counts twice (leaving
 /// duplicates out makes the interval a quarter too narrow). The percentiles are widened for few clusters, as by
@@ -38,7 +38,7 @@ pub fn intervals_95<const N: usize>(clusters: usize, figures_of: impl Fn(&[u32])
     resampled([clusters], |[drawn]| figures_of(drawn))
 }
 
-/// The 95 % interval of a figure of two sets of clusters, each of which is drawn by itself; widened as for the smaller one.
+/// Returns the 95 % interval of a figure of two sets of clusters, each of which is drawn by itself; widened as for the smaller one.
 pub fn interval_95_of_two(clusters: [usize; 2], figure: impl Fn(&[u32], &[u32]) -> f64) -> Option<Interval> {
     let [interval] = resampled(clusters, |[one, other]| [figure(one, other)]);
     interval
@@ -77,7 +77,7 @@ pub fn interval_95(clusters: usize, figure: impl Fn(&[u32]) -> f64) -> Option<In
     interval
 }
 
-/// The percentiles of what the draws gave. An undefined figure (NaN) may be anything, and so counts at both ends.
+/// Returns the percentiles of the draws. An undefined figure (NaN) may be anything, and so counts at both ends.
 fn interval_of(mut figures: Vec<f64>, clusters: usize) -> Option<Interval> {
     figures.retain(|figure| !figure.is_nan());
     let undefined = DRAWS - figures.len();
@@ -91,13 +91,13 @@ fn interval_of(mut figures: Vec<f64>, clusters: usize) -> Option<Interval> {
     (!alike && low.is_finite() && high.is_finite()).then_some(Interval { low, high })
 }
 
-/// The share of draws beyond each end: that of a normal beyond t·√(n/(n−1)), with Student's t for n − 1 degrees of freedom.
+/// Returns the share of draws beyond each end: that of a normal beyond t·√(n/(n−1)), with Student's t for n − 1 degrees of freedom.
 fn expanded_tail(clusters: usize) -> f64 {
     let n = clusters as f64;
     normal::upper_tail(students_t_95(n - 1.0) * (n / (n - 1.0)).sqrt())
 }
 
-/// The t that 95 % of Student's distribution lies within, either side of 0; infinite for degrees of freedom that do not exist.
+/// Returns the t that 95 % of Student's distribution lies within, either side of 0; infinite for degrees of freedom that do not exist.
 pub fn students_t_95(freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
 }

@@ -3,7 +3,7 @@
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-/// Up to so many clusters all patterns of signs are gone through.
+/// Largest number of clusters for which all patterns of signs are enumerated.
 pub const EXACT_CLUSTERS: usize = 14;
 /// Patterns drawn where there are more clusters.
 pub const DRAWN_FLIPS: usize = 20_000;
@@ -12,7 +12,7 @@ pub const FLIP_SEED: u64 = 1;
 /// Statistics that differ by less are tied, and a tie counts as reached.
 const TIED: f64 = 1e-9;
 
-/// The p of each measure, corrected for their number: `differences[k][c]` is the sum of measure `k`'s differences in cluster `c`.
+/// Computes the p of each measure, corrected for their number: `differences[k][c]` is the sum of measure `k`'s differences in cluster `c`.
 ///
 /// If nothing made a difference, the two sides could as well be exchanged within a cluster, for all measures together: each pattern of signs of the
 /// clusters is as likely as the one seen. The statistic of a measure is T = |Σd| / √Σd² (0 where all d are 0), whose denominator no pattern changes.
@@ -21,7 +21,7 @@ const TIED: f64 = 1e-9;
 /// zero", Statistical Applications in Genetics and Molecular Biology 9 (2010): (b + 1) / (m + 1).
 ///
 /// # Panics
-/// Where measures have different numbers of clusters.
+/// Measures with different numbers of clusters.
 pub fn sign_flip_p(differences: &[Vec<f64>]) -> Vec<f64> {
     let clusters = differences.first().map_or(0, Vec::len);
     assert!(
@@ -34,7 +34,7 @@ pub fn sign_flip_p(differences: &[Vec<f64>]) -> Vec<f64> {
     ordered.stepped_down(&reached, patterns)
 }
 
-/// The statistic from which on the measure with the largest one is shown at a level: at most this share of the patterns of signs has a larger maximum.
+/// Computes the critical value of the largest statistic at a level: at most this share of the patterns of signs has a larger maximum.
 pub fn sign_flip_critical(differences: &[Vec<f64>], level: f64) -> f64 {
     let ordered = Ordered::of(differences);
     let mut maxima = Vec::new();
@@ -61,7 +61,7 @@ fn scale(differences: &[f64]) -> f64 {
     if norm > 0.0 { 1.0 / norm } else { 0.0 }
 }
 
-/// The smallest p that [`sign_flip_p`] can give for so many clusters: 2 · 2⁻ⁿ, or that of the draws.
+/// Returns the smallest p that [`sign_flip_p`] can give for a number of clusters: 2 · 2⁻ⁿ, or that of the draws.
 pub fn smallest_sign_flip_p(clusters: usize) -> f64 {
     let exact = 2.0 * 0.5_f64.powi(i32::try_from(clusters).unwrap_or(i32::MAX));
     let drawn = 1.0 / (DRAWN_FLIPS as f64 + 1.0);
@@ -72,7 +72,7 @@ pub fn smallest_sign_flip_p(clusters: usize) -> f64 {
     }
 }
 
-/// The share of an error rate that each family of corrected p may use: equal ones at first. A family of which everything is shown (p ≤ its share) gives its
+/// Returns the share of an error rate that each family of corrected p may use: equal ones at first. A family of which everything is shown (p ≤ its share) gives its
 /// share in equal parts to the others, until nothing changes (Bretz, Maurer, Brannath and Posch, "A graphical approach to sequentially rejective multiple
 /// test procedures", Statistics in Medicine 28 (2009)).
 pub fn shares(families: &[Vec<f64>], level: f64) -> Vec<f64> {
@@ -113,7 +113,7 @@ impl SignedSums {
         SignedSums { width, sums }
     }
 
-    /// By the lowest bits.
+    /// Returns the sums of the pattern in the lowest bits.
     fn by(&self, bits: u64) -> &[f64] {
         let patterns = self.sums.len() / self.width;
         let pattern = bits as usize % patterns;
@@ -166,7 +166,7 @@ impl Ordered {
         }
     }
 
-    /// All patterns but for an exchange of all signs, each from the one before by one sign (Gray 1953).
+    /// Visits all patterns but for an exchange of all signs, each from the one before by one sign (Gray 1953).
     fn visit_all(&self, mut visit: impl FnMut(&[f64])) -> u64 {
         let mut sums = self.sums_seen();
         let mut signs = vec![1.0; self.by_cluster.len()];

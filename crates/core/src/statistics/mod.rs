@@ -13,7 +13,7 @@ pub use flips::{
 };
 pub use sequential::{Sequence, Shown};
 
-/// The middle value, or the mean of the middle two; `None` of nothing.
+/// Returns the middle value, or the mean of the middle two; `None` of nothing.
 pub fn median(values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -21,13 +21,13 @@ pub fn median(values: &[f64]) -> Option<f64> {
     Some((sorted[lower] + sorted[upper]) / 2.0)
 }
 
-/// The middle value, or the larger of the middle two: always one that was measured. `None` of nothing.
+/// Returns the middle value, or the larger of the middle two: always one that was measured. `None` of nothing.
 pub fn upper_median(values: &[f64]) -> Option<f64> {
     let (mut values, middle) = (values.to_vec(), values.len() / 2);
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// The Wilson score interval of a rate (Wilson 1927): 95 % interval of `hits` out of `n`; `None` for n = 0.
+/// Returns the Wilson score interval of a rate (Wilson 1927): 95 % interval of `hits` out of `n`; `None` for n = 0.
 pub fn wilson_95(hits: usize, n: usize) -> Option<(f64, f64)> {
     if n == 0 {
         return None;
@@ -40,7 +40,7 @@ pub fn wilson_95(hits: usize, n: usize) -> Option<(f64, f64)> {
     Some((((centre - half) / scale).max(0.0), ((centre + half) / scale).min(1.0)))
 }
 
-/// Kendall's τ-b of two lists of values (Kendall 1945): 1 where both rank alike, −1 where one ranking is the other's reverse. Values that differ
+/// Computes Kendall's τ-b of two lists of values (Kendall 1945): 1 where both rank alike, −1 where one ranking is the other's reverse. Values that differ
 /// by `tolerance` or less are ties; `None` where all of a list are tied.
 pub fn kendall_tau_b(a: &[f64], b: &[f64], tolerance: f64) -> Option<f64> {
     let sign = |difference: f64| match difference {
@@ -61,7 +61,7 @@ pub fn kendall_tau_b(a: &[f64], b: &[f64], tolerance: f64) -> Option<f64> {
     (both > 0.0).then(|| concordance / f64::sqrt(both))
 }
 
-/// Two-sided p of McNemar's exact test (McNemar 1947), with repeats of one place and bin kept together.
+/// Computes the two-sided p of McNemar's exact test (McNemar 1947), with repeats of one place and bin kept together.
 ///
 /// `differences` has, for each cluster, the photos hit on the base side minus those hit on the other. If the texture made no
 /// difference, each could as well have had the other sign; p is the share of all sign patterns whose sum is as far from 0 as
@@ -84,7 +84,7 @@ pub fn mcnemar_p(differences: &[i64]) -> f64 {
     far.map(|(_, p)| p).sum::<f64>().min(1.0)
 }
 
-/// p values corrected for their number, in the order given (Holm 1979): each may be held against 0.05 by itself.
+/// Corrects p values for their number, in the order given (Holm 1979): each may be compared with 0.05 by itself.
 pub fn holm(p: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..p.len()).collect();
     order.sort_by(|a, b| p[*a].total_cmp(&p[*b]));

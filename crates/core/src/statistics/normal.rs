@@ -6,23 +6,23 @@ use statrs::function::erf::erfc;
 /// 95 % of the distribution lies within this distance of 0.
 pub const TWO_SIDED_95: f64 = 1.959963984540054;
 
-/// A standard normal value (Box & Muller 1958).
+/// Draws a standard normal value (Box & Muller 1958).
 pub fn draw(rng: &mut impl Rng) -> f64 {
     let (a, b): (f64, f64) = (rng.random(), rng.random());
     (-2.0 * (1.0 - a).ln()).sqrt() * (std::f64::consts::TAU * b).cos()
 }
 
-/// The probability that a standard normal variable is above `z`.
+/// Returns the probability that a standard normal variable is above `z`.
 pub fn upper_tail(z: f64) -> f64 {
     erfc(z / std::f64::consts::SQRT_2) / 2.0
 }
 
-/// The probability that a normal variable lies between two values.
+/// Returns the probability that a normal variable lies between two values.
 pub fn between(from: f64, to: f64, mean: f64, sigma: f64) -> f64 {
     upper_tail((from - mean) / sigma) - upper_tail((to - mean) / sigma)
 }
 
-/// The standard normal distribution Φ(u) and its density, for fits that need both of every pixel: within 4e-7 (Abramowitz & Stegun 1964, 26.2.17).
+/// Returns the standard normal distribution Φ(u) and its density, for fits that need both of every pixel: within 4e-7 (Abramowitz & Stegun 1964, 26.2.17).
 #[inline(always)]
 pub fn fast_normal_cdf_and_density<const N: usize>(u: [f32; N]) -> ([f32; N], [f32; N]) {
     const AT_0: f32 = 0.398_942_3; // 1 / √(2π)

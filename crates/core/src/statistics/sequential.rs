@@ -11,23 +11,23 @@
 
 use super::Interval;
 
-/// Wrong with this probability at most, half of it on either side.
+/// Largest probability of a wrong finding, half of it on either side.
 const LEVEL: f64 = 0.05;
 
-/// The wealth is spread over so many rates, evenly from 0 to 1.
+/// Number of rates over which the wealth is spread, evenly from 0 to 1.
 const RATES: usize = 64;
 
 /// The wealth of a bet that numbers are above `mean` on average (an e-value): its logarithm at each rate.
 #[derive(Debug, Clone)]
-struct Wealth {
+struct EValue {
     mean: f64,
     ln: [f64; RATES],
 }
 
-impl Wealth {
-    /// `mean` must be above −1.
-    fn above(mean: f64) -> Wealth {
-        Wealth { mean, ln: [0.0; RATES] }
+impl EValue {
+    /// Creates the e-value of no number yet; `mean` must be above −1.
+    fn above(mean: f64) -> EValue {
+        EValue { mean, ln: [0.0; RATES] }
     }
 
     fn bet(&mut self, number: f64) {
@@ -38,14 +38,14 @@ impl Wealth {
         }
     }
 
-    fn total(&self) -> f64 {
+    fn ln_total(&self) -> f64 {
         let most = self.ln.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let sum: f64 = self.ln.iter().map(|ln| (ln - most).exp()).sum();
         most + (sum / RATES as f64).ln()
     }
 }
 
-/// What numbers have shown of their mean.
+/// Finding of a sequential test on the mean of numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shown {
     /// Some lie above 0 on average.
@@ -59,10 +59,10 @@ pub enum Shown {
 /// Numbers in [−1, 1] that come one after the other, each of a stratum, and what they have shown so far.
 #[derive(Debug, Clone)]
 pub struct Sequence {
-    up: Wealth,
-    down: Wealth,
-    /// The least mean that matters, and what was won by betting that it is not reached.
-    least: Option<Wealth>,
+    up: EValue,
+    down: EValue,
+    /// Evidence that the least mean that matters is not reached.
+    least: Option<EValue>,
     strata: Vec<Vec<f64>>,
     rounds: usize,
     numbers: usize,
@@ -76,12 +76,12 @@ pub struct Sequence {
 }
 
 impl Sequence {
-    /// Before the first number. `least` must lie in (0, 1).
+    /// Creates a test before the first number. `least` must lie in (0, 1).
     pub fn new(strata: usize, least: Option<f64>) -> Sequence {
         Sequence {
-            up: Wealth::above(0.0),
-            down: Wealth::above(0.0),
-            least: least.map(|least| Wealth::above(-least)),
+            up: EValue::above(0.0),
+            down: EValue::above(0.0),
+            least: least.map(|least| EValue::above(-least)),
             strata: vec![Vec::new(); strata],
             rounds: 0,
             numbers: 0,
@@ -93,8 +93,8 @@ impl Sequence {
         }
     }
 
-    /// One of so many tests that are decided together: "less than the least" takes so many times the evidence (Bonferroni). What [`Sequence::p`] says is of this
-    /// test alone.
+    /// Corrects for the number of tests that are decided together: "less than the least" takes that many times the evidence (Bonferroni).
+    /// [`Sequence::p`] is of this test alone.
     pub fn among(mut self, tests: usize) -> Sequence {
         self.enough_for_less += (tests.max(1) as f64).ln();
         self
@@ -109,11 +109,13 @@ impl Sequence {
         while self.strata.iter().all(|seen| seen.len() > self.rounds) {
             for seen in &self.strata {
                 // Upside down: that the mean is below the least is that the negative is above its negative.
-                self.least.iter_mut().for_each(|wealth| wealth.bet(-seen[self.rounds]));
+                self.least
+                    .iter_mut()
+                    .for_each(|e_value| e_value.bet(-seen[self.rounds]));
             }
             self.rounds += 1;
         }
-        let [up, down] = [&self.up, &self.down].map(Wealth::total);
+        let [up, down] = [&self.up, &self.down].map(EValue::ln_total);
         for (evidence, is_above) in [(up, true), (down, false)] {
             if evidence > self.most {
                 (self.most, self.most_is_above) = (evidence, is_above);
@@ -122,7 +124,7 @@ impl Sequence {
         let is_less = self
             .least
             .as_ref()
-            .is_some_and(|least| least.total() >= self.enough_for_less);
+            .is_some_and(|least| least.ln_total() >= self.enough_for_less);
         self.less_after = self.less_after.or(is_less.then_some(self.numbers));
         let shown = match () {
             () if up >= enough() => Some(Shown::Above),
@@ -133,37 +135,37 @@ impl Sequence {
         self.shown = self.shown.or(shown.map(|shown| (shown, self.numbers)));
     }
 
-    /// What was shown first, and after how many numbers.
+    /// Returns the first finding, and the number of values after which it was reached.
     pub fn shown(&self) -> Option<(Shown, usize)> {
         self.shown
     }
 
-    /// After how many numbers their mean over the strata was shown to be smaller than the least that matters.
+    /// Returns the number of values after which their mean over the strata was shown to be smaller than the least that matters.
     pub fn less_after(&self) -> Option<usize> {
         self.less_after
     }
 
-    /// Whether the evidence behind [`Sequence::p`] is for numbers above 0 on average, not below.
+    /// Returns true if the evidence behind [`Sequence::p`] is for a mean above 0, not below.
     pub fn is_above(&self) -> bool {
         self.most_is_above
     }
 
-    /// Two-sided p of "no number differs from 0 on average"; never above α by chance alone with a larger probability than α, over all looks.
+    /// Returns the two-sided p of "no number differs from 0 on average"; never above α by chance alone with a larger probability than α, over all looks.
     pub fn p(&self) -> f64 {
         (2.0 * (-self.most).exp()).min(1.0)
     }
 
-    /// Base-10 logarithm of what was won by betting on means above 0: from 1.6 (a factor of 40) on they are shown.
+    /// Returns the base-10 logarithm of what was won by betting on means above 0: from 1.6 (a factor of 40) on they are shown.
     pub fn log10_for_above(&self) -> f64 {
-        self.up.total() / std::f64::consts::LN_10
+        self.up.ln_total() / std::f64::consts::LN_10
     }
 
-    /// Rounds in which every stratum has its number.
+    /// Returns the number of rounds in which every stratum has its number.
     pub fn rounds(&self) -> usize {
         self.rounds
     }
 
-    /// 95 % interval of the mean over the strata, from whole rounds: all intervals after the rounds so far hold together with a probability of 95 %, and this is what
+    /// Computes the 95 % interval of the mean over the strata, from whole rounds: all intervals after the rounds so far hold together with a probability of 95 %, and this is what
     /// they have in common. Absent before the first round is whole, and when they have nothing in common: then the rounds differ from each other.
     pub fn interval_95(&self) -> Option<Interval> {
         if self.rounds == 0 {
@@ -173,7 +175,7 @@ impl Sequence {
         (low <= high).then_some(Interval { low, high })
     }
 
-    /// The largest mean that is refuted from above, of the numbers times `sign`.
+    /// Returns the largest mean that is refuted from above, of the numbers times `sign`.
     fn bound(&self, sign: f64) -> f64 {
         // The larger the mean, the less is won by betting on more.
         let (mut refuted, mut open) = (-1.0, 1.0);
@@ -189,15 +191,15 @@ impl Sequence {
     }
 
     fn is_refuted(&self, mean: f64, sign: f64) -> bool {
-        let mut wealth = Wealth::above(mean);
+        let mut e_value = EValue::above(mean);
         (0..self.rounds).any(|round| {
-            self.strata.iter().for_each(|seen| wealth.bet(sign * seen[round]));
-            wealth.total() >= enough()
+            self.strata.iter().for_each(|seen| e_value.bet(sign * seen[round]));
+            e_value.ln_total() >= enough()
         })
     }
 }
 
-/// The logarithm of the wealth that shows something.
+/// Returns the logarithm of the wealth that shows something.
 fn enough() -> f64 {
     (2.0 / LEVEL).ln()
 }

@@ -11,21 +11,21 @@ thread_local! {
     static FLAG: RefCell<Option<Arc<AtomicBool>>> = const { RefCell::new(None) };
 }
 
-/// What an interrupted thread unwinds with.
+/// Payload with which an interrupted thread unwinds.
 #[derive(Debug)]
 pub struct Interrupted;
 
-/// From here on this thread ends soon after the flag is set; without one, it goes on.
+/// Lets this thread end soon after the flag is set; without a flag, it goes on.
 pub fn heed(flag: Option<Arc<AtomicBool>>) {
     FLAG.set(flag);
 }
 
-/// The flag that this thread heeds.
+/// Returns the flag that this thread heeds.
 pub fn flag() -> Option<Arc<AtomicBool>> {
     FLAG.with_borrow(Clone::clone)
 }
 
-/// Whether this thread shall end.
+/// Returns true if this thread shall end.
 pub fn is_set() -> bool {
     FLAG.with_borrow(|flag| flag.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed)))
 }

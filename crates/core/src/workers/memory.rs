@@ -3,7 +3,7 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::Once;
 
-/// From now on this process keeps memory that it frees, instead of giving it back to the system and taking it again, zeroed page by page, for
+/// Lets this process keep memory that it frees, instead of giving it back to the system and taking it again, zeroed page by page, for
 /// every picture: 2,300 pages for one of yolox_nano's gradients, for which two threads wait on each other. Does nothing without glibc.
 pub fn keep() {
     static KEPT: Once = Once::new();

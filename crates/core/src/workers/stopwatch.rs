@@ -1,4 +1,4 @@
-//! Where the time of a photo goes: each thread's milliseconds by stage of the work, every moment counted for the innermost stage alone.
+//! Time of a photo by stages: each thread's milliseconds, every moment counted for the innermost stage alone.
 
 use std::cell::Cell;
 use std::time::Instant;
@@ -42,7 +42,7 @@ pub type StageMs = [f64; Stage::ALL.len()];
 
 thread_local! {
     static SPENT: Cell<StageMs> = const { Cell::new([0.0; Stage::ALL.len()]) };
-    /// What the stages inside the present one have taken.
+    /// Milliseconds of the stages inside the present one.
     static INSIDE: Cell<f64> = const { Cell::new(0.0) };
 }
 
@@ -59,7 +59,7 @@ pub fn timed<T>(stage: Stage, work: impl FnOnce() -> T) -> T {
     done
 }
 
-/// What this thread's stages have taken since the last call.
+/// Returns the milliseconds of this thread's stages since the last call.
 pub fn take() -> StageMs {
     INSIDE.set(0.0);
     SPENT.take()

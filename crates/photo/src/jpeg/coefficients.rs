@@ -69,7 +69,7 @@ impl Component {
 
     /// Returns the buffer for the next block's AC values. At most `most` entries are kept.
     #[inline(always)]
-    pub(super) fn others(&mut self, most: usize) -> Result<Others<'_>, JpegError> {
+    pub(super) fn block_entries(&mut self, most: usize) -> Result<BlockEntries<'_>, JpegError> {
         let entries = match &mut self.store {
             Store::Dense { entries, .. } => &mut **entries,
             Store::Sparse { values, used, .. } => {
@@ -79,7 +79,7 @@ impl Component {
                 values[*used..].first_chunk_mut().ok_or(JpegError::TooManyValues)?
             }
         };
-        Ok(Others { entries, count: 0 })
+        Ok(BlockEntries { entries, count: 0 })
     }
 
     /// Sets a whole block: its DC value, and the last `count` entries pushed.
@@ -121,7 +121,7 @@ impl Component {
 
     /// Passes every non-zero AC value with its place, up to the place `last`, to `to`; returns true if the block has any.
     #[inline(always)]
-    pub(super) fn each_other(&self, block: usize, last: usize, to: &mut impl Take) -> bool {
+    pub(super) fn each_ac(&self, block: usize, last: usize, to: &mut impl CoefficientSink) -> bool {
         match &self.store {
             Store::Sparse { blocks, values, .. } => {
                 let SparseBlock { start, count, .. } = blocks[block];
@@ -132,7 +132,7 @@ impl Component {
                 let mut has_any = false;
                 for (place, value) in (1..=last).zip(&all[64 * block + 1..]) {
                     if *value != 0 {
-                        to.take(place, *value);
+                        to.put(place, *value);
                         has_any = true;
                     }
                 }
@@ -144,13 +144,13 @@ impl Component {
 
 /// Receiver of a block's values. A trait instead of a closure, since only a function can be forced inline into its caller, whose vector instructions
 /// it needs.
-pub(super) trait Take {
-    fn take(&mut self, place: usize, value: i16);
+pub(super) trait CoefficientSink {
+    fn put(&mut self, place: usize, value: i16);
 }
 
-impl Take for [i16] {
+impl CoefficientSink for [i16] {
     #[inline(always)]
-    fn take(&mut self, place: usize, value: i16) {
+    fn put(&mut self, place: usize, value: i16) {
         self[place] = value;
     }
 }
@@ -166,13 +166,13 @@ fn more_room(values: &mut Vec<u16>, used: usize, most: usize) -> Result<(), Jpeg
 }
 
 /// AC values of a block while they are read, directly in their final buffer.
-pub(super) struct Others<'a> {
+pub(super) struct BlockEntries<'a> {
     entries: &'a mut Entries,
     /// Number of entries pushed.
     pub count: usize,
 }
 
-impl Others<'_> {
+impl BlockEntries<'_> {
     /// Appends a value at a place, 1 to 63; each place at most once.
     #[inline(always)]
     pub(super) fn push(&mut self, place: usize, value: i16) {
@@ -189,7 +189,7 @@ impl Others<'_> {
 }
 
 #[inline(always)]
-fn each_entry(entries: &[u16], last: usize, to: &mut (impl Take + ?Sized)) {
+fn each_entry(entries: &[u16], last: usize, to: &mut (impl CoefficientSink + ?Sized)) {
     let mut entries = entries.iter();
     while let Some(entry) = entries.next() {
         let place = usize::from(entry >> 10);
@@ -201,6 +201,6 @@ fn each_entry(entries: &[u16], last: usize, to: &mut (impl Take + ?Sized)) {
             // Signed value of ten bits.
             _ => ((entry << 6) as i16) >> 6,
         };
-        to.take(place, value);
+        to.put(place, value);
     }
 }

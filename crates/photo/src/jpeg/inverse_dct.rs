@@ -2,7 +2,7 @@
 
 use std::f32::consts::{FRAC_1_SQRT_2, PI};
 
-use super::coefficients::{Component, Take};
+use super::coefficients::{CoefficientSink, Component};
 
 /// Position in a block, by rows, of each coefficient in zigzag order (T.81, figure A.6).
 pub(super) const ZIGZAG: [u8; 64] = [
@@ -33,9 +33,9 @@ struct SumOfShares<'a, const N: usize> {
     shares: &'a [[f32; N]],
 }
 
-impl<const N: usize> Take for SumOfShares<'_, N> {
+impl<const N: usize> CoefficientSink for SumOfShares<'_, N> {
     #[inline(always)]
-    fn take(&mut self, place: usize, value: i16) {
+    fn put(&mut self, place: usize, value: i16) {
         let value = f32::from(value);
         for (sample, share) in self.samples.iter_mut().zip(&self.shares[place & 63]) {
             *sample += value * share;
@@ -49,9 +49,9 @@ struct RowSums<'a> {
     shares: &'a [Lanes; 64],
 }
 
-impl Take for RowSums<'_> {
+impl CoefficientSink for RowSums<'_> {
     #[inline(always)]
-    fn take(&mut self, place: usize, value: i16) {
+    fn put(&mut self, place: usize, value: i16) {
         let row = &mut self.rows[(usize::from(ZIGZAG[place & 63]) / 8) & 7];
         *row = sum(*row, times(self.shares[place & 63], f32::from(value)));
     }
@@ -81,7 +81,7 @@ impl<const N: usize> Transform<N> {
         }
     }
 
-    /// Returns the samples of a block, not yet [`rounded`].
+    /// Returns the samples of a block, not yet [`to_u8`].
     #[inline(always)]
     pub(super) fn samples(&self, component: &Component, block: usize) -> [f32; N] {
         let mean = f32::from(component.mean(block)) * self.mean_share + MIDDLE;
@@ -95,7 +95,7 @@ impl<const N: usize> Transform<N> {
             samples: [mean; N],
             shares: &self.shares,
         };
-        component.each_other(block, self.last, &mut samples);
+        component.each_ac(block, self.last, &mut samples);
         samples.samples
     }
 
@@ -109,7 +109,7 @@ impl<const N: usize> Transform<N> {
             rows: &mut rows,
             shares: &self.row_shares,
         };
-        if !component.each_other(block, 63, &mut to) {
+        if !component.each_ac(block, 63, &mut to) {
             return [mean; N];
         }
         columns(&mut rows);
@@ -126,7 +126,7 @@ const MIDDLE: f32 = 128.0 + 1.0 / 1024.0;
 /// Rounds to the nearest integer, clamped to 0–255. Adding 1.5 · 2²³ leaves an integer in the lowest bits of a float, which takes fewer steps than
 /// `as u8`.
 #[inline(always)]
-pub(super) fn rounded(value: f32) -> u8 {
+pub(super) fn to_u8(value: f32) -> u8 {
     const WHOLE: f32 = 12_582_912.0;
     let whole = (value + WHOLE).to_bits() as i32 - WHOLE.to_bits() as i32;
     whole.clamp(0, 255) as u8

@@ -8,7 +8,7 @@ use image::{GrayImage, RgbImage};
 use super::coefficients::Component;
 use super::colour;
 use super::frame::Colours;
-use super::inverse_dct::{Transform, rounded};
+use super::inverse_dct::{Transform, to_u8};
 use super::read::Coefficients;
 use super::upsample;
 
@@ -326,7 +326,7 @@ fn fill_across<const N: usize, const ACROSS: usize>(
             *values = transform.samples(component, block);
         }
         for (sample, value) in samples.as_flattened_mut().iter_mut().zip(values.as_flattened()) {
-            *sample = rounded(*value);
+            *sample = to_u8(*value);
         }
         for (column, samples) in (first..).zip(&samples[..count]) {
             for (row, samples) in samples.as_chunks::<ACROSS>().0.iter().enumerate() {

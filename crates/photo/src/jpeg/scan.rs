@@ -116,8 +116,8 @@ impl State<'_> {
                     let block = (y * down + row) * component.blocks[0] + x * across + column;
                     match scan.part {
                         Part::Whole => {
-                            let tables = (dc_table.ok_or(NO_TABLE)?, table.ok_or(NO_TABLE)?);
-                            self.whole(nth, tables, component, block, scan.most_values)?;
+                            let (dc_table, table) = (dc_table.ok_or(NO_TABLE)?, table.ok_or(NO_TABLE)?);
+                            self.decode_block(nth, dc_table, table, component, block, scan.most_values)?;
                         }
                         Part::Progressive {
                             first: 0, low, refines, ..
@@ -167,16 +167,17 @@ impl State<'_> {
 
     /// Decodes a block of a sequential frame (F.2.2.2).
     #[inline(always)]
-    fn whole(
+    fn decode_block(
         &mut self,
         nth: usize,
-        (dc_table, table): (&HuffmanTable, &HuffmanTable),
+        dc_table: &HuffmanTable,
+        table: &HuffmanTable,
         component: &mut Component,
         block: usize,
         most: usize,
     ) -> Result<(), JpegError> {
         let mean = self.dc(nth, dc_table)?;
-        let mut others = component.others(most)?;
+        let mut others = component.block_entries(most)?;
         let mut place = 1;
         while place < 64 {
             match table.coefficient(&mut self.bits) {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use image::{ImageFormat, RgbImage};
 use proptest::prelude::*;
-use scaleproof_photo::{Budget, Photo, PhotoError};
+use scaleproof_photo::{Budget, DecodeProblem, Photo, PhotoError};
 
 fn decode(bytes: &[u8]) -> Result<RgbImage, PhotoError> {
     Photo::from_bytes(Path::new("picture"), bytes.to_vec(), Budget::FILE)?.rgb(1)
@@ -58,7 +58,7 @@ fn a_picture_that_claims_to_be_huge_is_refused_before_decoding() {
         bytes[29..33].copy_from_slice(&crc.to_be_bytes());
         let problem = decode(&bytes).unwrap_err();
         assert!(
-            matches!(&problem, PhotoError::TooLarge { size, .. } if size.starts_with(size_in_words)),
+            matches!(&problem, PhotoError::Bytes { problem: DecodeProblem::TooLarge(size), .. } if size.starts_with(size_in_words)),
             "{problem:?}"
         );
     }
@@ -99,7 +99,13 @@ fn damage_that_can_be_noticed_is_refused() {
 #[test]
 fn text_is_not_an_image() {
     for text in [&b"this is a shopping list"[..], b""] {
-        assert!(matches!(decode(text), Err(PhotoError::NotAnImage { .. })));
+        assert!(matches!(
+            decode(text),
+            Err(PhotoError::Bytes {
+                problem: DecodeProblem::NotAnImage,
+                ..
+            })
+        ));
     }
 }
 
@@ -124,8 +130,14 @@ fn photos_of_iphones_are_known_by_their_brands() {
     ] {
         let file = ftyp(brands);
         let found = match decode(&file).unwrap_err() {
-            PhotoError::Heif { kind, .. } => Some(kind),
-            PhotoError::NotAnImage { .. } => None,
+            PhotoError::Bytes {
+                problem: DecodeProblem::Heif(kind),
+                ..
+            } => Some(kind),
+            PhotoError::Bytes {
+                problem: DecodeProblem::NotAnImage,
+                ..
+            } => None,
             other => panic!("{other}"),
         };
         assert_eq!(found, kind, "{}", brands.escape_ascii());

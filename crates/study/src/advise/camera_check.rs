@@ -2,11 +2,11 @@
 
 use nalgebra::{Rotation3, Vector3};
 
-use super::held_out::{Answer, Sample, answer};
+use super::held_out::{MethodResult, Sample, answer};
 use super::measure::{Fit, UsualPose};
-use super::paired::{FEWEST_PHOTOS, MARGIN, Moved, PairedErrors};
+use super::method::{Question, usual};
+use super::paired::{FEWEST_PHOTOS, MARGIN, PairedErrors, PoseShift};
 use super::result::{CameraCheck, CameraVerdict};
-use super::way::{Question, usual};
 use scaleproof_core::geometry::Rigid;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::Scene;
@@ -21,30 +21,30 @@ const REFITTED: LensModel = LensModel::K1;
 const TIMES_WORSE: f64 = 4.0;
 
 /// A photo that the usual way locates, and in which it predicts a left-out tag.
-pub(super) struct Judged<'a> {
+pub(super) struct CheckedPhoto<'a> {
     pub sample: &'a Sample,
     pub pose: &'a UsualPose,
-    pub by_file: &'a Answer,
+    pub by_file: &'a MethodResult,
 }
 
 /// Judges the camera file by cameras refitted to halves of the photos. Every other photo is in the other half, so that both go round the model.
 /// `None` where the photos are too few, or a half determines no camera. `fits`: of all photos.
-pub(super) fn check(photos: &[Judged], fits: &[Fit], (scene, camera): (&Scene, &Camera)) -> Option<CameraCheck> {
+pub(super) fn check(photos: &[CheckedPhoto], fits: &[Fit], scene: &Scene, camera: &Camera) -> Option<CameraCheck> {
     if photos.len() < FEWEST_PHOTOS {
         return None;
     }
     let cameras = [refitted(photos, 0, scene, camera)?, refitted(photos, 1, scene, camera)?];
     let way = usual(Question::CameraModel);
-    let by_other_half = |(i, photo): (usize, &Judged)| {
+    let by_other_half = |(i, photo): (usize, &CheckedPhoto)| {
         let (seen, reference) = (&photo.pose.seen, &photo.pose.reference);
-        answer(&way, photo.sample, seen, reference, (scene, &cameras[1 - i % 2]))
+        answer(&way, photo.sample, seen, reference, scene, &cameras[1 - i % 2])
     };
-    let refitted: Vec<Answer> = photos.iter().enumerate().map(by_other_half).collect();
+    let refitted: Vec<MethodResult> = photos.iter().enumerate().map(by_other_half).collect();
     let pairs = || photos.iter().map(|photo| photo.by_file).zip(&refitted);
     let paired = PairedErrors::new(pairs());
     let [by_file, by_refitted] = paired.means();
     let better_by_95 = paired.difference_95();
-    let moved = Moved::between(pairs());
+    let moved = PoseShift::between(pairs());
     let is_better = better_by_95.is_some_and(|interval| interval.low > 0.0) && by_file > (1.0 + MARGIN) * by_refitted;
     let verdict = if is_better {
         CameraVerdict::OtherCamera
@@ -84,7 +84,7 @@ fn no_camera_fits(fits: &[Fit]) -> bool {
 }
 
 /// Refits the camera to every other photo, from the first or the second on.
-fn refitted(photos: &[Judged], first: usize, scene: &Scene, camera: &Camera) -> Option<Camera> {
+fn refitted(photos: &[CheckedPhoto], first: usize, scene: &Scene, camera: &Camera) -> Option<Camera> {
     let half = photos.iter().skip(first).step_by(2);
     let (views, poses): (Vec<View>, Vec<Rigid>) = half.map(|photo| known_points(photo.pose, scene, camera)).unzip();
     refit(REFITTED, camera, &views, poses)

@@ -4,7 +4,7 @@ use std::convert::Infallible;
 
 use image::GrayImage;
 
-use super::way::Way;
+use super::method::Method;
 use crate::chart::timed_tags;
 use scaleproof_core::workers::{self, fastest};
 use scaleproof_photo::{Filter, Photo, PhotoError, grey_resized};
@@ -44,7 +44,7 @@ impl Sample {
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Answer {
+pub(super) struct MethodResult {
     pub ms: f64,
     pub located: Option<Located>,
     /// Root mean square distance between the corners of a left-out tag and where the pose from the others puts them, degrees; mean over the tags.
@@ -63,8 +63,10 @@ pub(super) struct FoundTags {
 /// Finds the tags of a photo that is reduced first, and measures the time of that.
 pub(super) fn find(
     sample: &Sample,
-    (choice, reduced_by): (TagDetectorChoice, u32),
-    (scene, camera): (&Scene, &Camera),
+    choice: TagDetectorChoice,
+    reduced_by: u32,
+    scene: &Scene,
+    camera: &Camera,
     detector: &mut dyn TagDetector,
 ) -> FoundTags {
     let luma = &sample.luma;
@@ -74,7 +76,7 @@ pub(super) fn find(
         grey_resized(luma, size, Filter::Bilinear)
     });
     let luma = reduced.as_ref().unwrap_or(luma);
-    let (tags, ms) = timed_tags(choice, detector, (luma, sample.turned_deg), (scene, camera));
+    let (tags, ms) = timed_tags(choice, detector, (luma, sample.turned_deg), scene, camera);
     let size = luma.dimensions();
     FoundTags { tags, ms, size }
 }
@@ -82,16 +84,17 @@ pub(super) fn find(
 /// Locates a photo by a way, and computes how well poses without a tag predict it. `reference`: the tags that are left out one by one, as they were
 /// seen at full size.
 pub(super) fn answer(
-    way: &Way,
+    way: &Method,
     sample: &Sample,
     seen: &FoundTags,
     reference: &[SeenTag],
-    (scene, camera): (&Scene, &Camera),
-) -> Answer {
+    scene: &Scene,
+    camera: &Camera,
+) -> MethodResult {
     let camera = way.camera(camera);
     let (width, height) = seen.size;
     let Ok(FittedCamera { camera, .. }) = camera.for_photo(width, height, sample.turned_deg) else {
-        return Answer {
+        return MethodResult {
             ms: seen.ms,
             located: None,
             held_out_deg: None,
@@ -109,7 +112,7 @@ pub(super) fn answer(
         Some(distance_px(&without, tag, left_out, &camera, scale)? * camera.deg_per_px())
     };
     let errors: Vec<f64> = reference.iter().filter_map(error).collect();
-    Answer {
+    MethodResult {
         ms: seen.ms + solve_ms,
         located,
         held_out_deg: (!errors.is_empty()).then(|| errors.iter().sum::<f64>() / errors.len() as f64),

@@ -1,20 +1,21 @@
 //! Verdicts on the ways of each step.
 
-use super::held_out::Answer;
-use super::paired::{FEWEST_PHOTOS, MARGIN, Moved, PairedErrors};
+use super::held_out::MethodResult;
+use super::method::{Method, Question};
+use super::paired::{FEWEST_PHOTOS, MARGIN, PairedErrors, PoseShift};
 use super::result::{CameraCheck, CameraVerdict, Choice, PoseAdvice, Verdict};
-use super::way::{Question, Way};
 use scaleproof_core::message::{Message, message};
 use scaleproof_core::spelling::count;
 
 /// Judges every way by the answers of each photo.
 pub(super) fn put_together(
-    ways: &[Way],
-    answers: &[&[Answer]],
-    (disagreeing, camera_check): (usize, Option<CameraCheck>),
+    ways: &[Method],
+    answers: &[&[MethodResult]],
+    disagreeing: usize,
+    camera_check: Option<CameraCheck>,
 ) -> Result<PoseAdvice, Message> {
-    let of = |way: usize| -> Vec<&Answer> { answers.iter().map(|photo| &photo[way]).collect() };
-    let usual = ways.iter().position(Way::is_usual).map(of).unwrap_or_default();
+    let of = |way: usize| -> Vec<&MethodResult> { answers.iter().map(|photo| &photo[way]).collect() };
+    let usual = ways.iter().position(Method::is_usual).map(of).unwrap_or_default();
     let located = usual.iter().filter(|answer| answer.located.is_some()).count();
     if located == 0 {
         let also = match disagreeing {
@@ -46,7 +47,7 @@ pub(super) fn put_together(
     }
     for question in Question::ALL {
         let own = ways.iter().enumerate().filter(|(_, way)| way.question == question);
-        let own: Vec<(&Way, Vec<&Answer>)> = own.map(|(i, way)| (way, of(i))).collect();
+        let own: Vec<(&Method, Vec<&MethodResult>)> = own.map(|(i, way)| (way, of(i))).collect();
         advice.choices.extend(judged(&own, &usual, held_out_photos));
     }
     Ok(advice)
@@ -73,13 +74,13 @@ fn abstention(photos: usize, held_out_photos: usize, disagreeing: usize) -> Opti
 }
 
 /// Judges the answers to one question, and marks the smallest that nothing speaks against.
-fn judged(own: &[(&Way, Vec<&Answer>)], usual: &[&Answer], held_out_photos: usize) -> Vec<Choice> {
-    let lost = |answers: &[&Answer]| {
+fn judged(own: &[(&Method, Vec<&MethodResult>)], usual: &[&MethodResult], held_out_photos: usize) -> Vec<Choice> {
+    let lost = |answers: &[&MethodResult]| {
         let both = answers.iter().zip(usual);
         let lost = both.filter(|(own, usual)| own.located.is_none() && usual.located.is_some());
         lost.count()
     };
-    let mean = |answers: &[&Answer]| {
+    let mean = |answers: &[&MethodResult]| {
         let errors: Vec<f64> = answers.iter().filter_map(|answer| answer.held_out_deg).collect();
         (errors.len() >= held_out_photos).then(|| errors.iter().sum::<f64>() / errors.len() as f64)
     };
@@ -88,7 +89,7 @@ fn judged(own: &[(&Way, Vec<&Answer>)], usual: &[&Answer], held_out_photos: usiz
         .filter_map(|(way, answers)| Some((mean(answers)?, way, answers)))
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .map_or(usual, |(_, _, answers)| answers.as_slice());
-    let choice = |(way, answers): &(&Way, Vec<&Answer>)| choice(way, answers, (usual, best), lost(answers));
+    let choice = |(way, answers): &(&Method, Vec<&MethodResult>)| choice(way, answers, (usual, best), lost(answers));
     let mut choices: Vec<Choice> = own.iter().map(choice).collect();
     let costs = own
         .iter()
@@ -101,11 +102,16 @@ fn judged(own: &[(&Way, Vec<&Answer>)], usual: &[&Answer], held_out_photos: usiz
     choices
 }
 
-fn choice(way: &Way, answers: &[&Answer], (usual, best): (&[&Answer], &[&Answer]), lost: usize) -> Choice {
+fn choice(
+    way: &Method,
+    answers: &[&MethodResult],
+    (usual, best): (&[&MethodResult], &[&MethodResult]),
+    lost: usize,
+) -> Choice {
     let paired = PairedErrors::new(answers.iter().copied().zip(best.iter().copied()));
     let [own, of_best] = paired.means();
     let worse_by_95 = paired.difference_95();
-    let moved = Moved::between(answers.iter().copied().zip(usual.iter().copied()));
+    let moved = PoseShift::between(answers.iter().copied().zip(usual.iter().copied()));
     let both = answers.iter().zip(usual);
     let both = both.filter_map(|(own, usual)| own.located.as_ref().zip(usual.located.as_ref()));
     let other_bin = both.filter(|(own, usual)| own.bin != usual.bin).count();

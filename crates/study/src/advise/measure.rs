@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::held_out::{Answer, FoundTags, Sample, answer, find};
-use super::way::Way;
+use super::held_out::{FoundTags, MethodResult, Sample, answer, find};
+use super::method::Method;
 use scaleproof_core::message::{Message, message};
 use scaleproof_pose::camera::{Camera, FittedCamera};
 use scaleproof_pose::locate::{Located, LocatedPhoto, Warning, locate_luma};
@@ -11,11 +11,11 @@ use scaleproof_pose::scene::Scene;
 use scaleproof_pose::tags::{SeenTag, TagDetector, TagDetectorChoice};
 
 /// The tag detectors of one thread.
-pub(super) type Opened = BTreeMap<TagDetectorChoice, Box<dyn TagDetector>>;
+pub(super) type TagDetectors = BTreeMap<TagDetectorChoice, Box<dyn TagDetector>>;
 
 pub(super) struct Measured {
     /// Answers by the ways, in their order.
-    pub answers: Vec<Answer>,
+    pub answers: Vec<MethodResult>,
     /// Pose by the usual way; absent where it finds none.
     pub usual: Option<UsualPose>,
     pub fit: Fit,
@@ -53,9 +53,10 @@ pub(super) struct UsualPose {
 /// Measures every way on a photo; a way that several questions share is measured once.
 pub(super) fn measure(
     sample: &Sample,
-    ways: &[Way],
-    opened: &mut Opened,
-    (scene, camera): (&Scene, &Camera),
+    ways: &[Method],
+    opened: &mut TagDetectors,
+    scene: &Scene,
+    camera: &Camera,
 ) -> Result<Measured, Message> {
     let (width, height) = sample.luma.dimensions();
     let fitted = camera
@@ -67,7 +68,7 @@ pub(super) fn measure(
     let usual = found.and_then(|found| usual(sample, found, scene, fitted));
     let reference = usual.as_ref().map_or(&[][..], |usual| &usual.reference);
     let mut seen: BTreeMap<_, FoundTags> = BTreeMap::new();
-    let mut answers: Vec<Answer> = Vec::new();
+    let mut answers: Vec<MethodResult> = Vec::new();
     for (i, way) in ways.iter().enumerate() {
         if let Some(same) = ways[..i].iter().position(|before| before.is_same(way)) {
             answers.push(answers[same].clone());
@@ -77,10 +78,13 @@ pub(super) fn measure(
         if !seen.contains_key(&key)
             && let Some(tags) = opened.get_mut(&way.detector)
         {
-            seen.insert(key, find(sample, key, (scene, camera), tags.as_mut()));
+            seen.insert(
+                key,
+                find(sample, way.detector, way.reduced_by, scene, camera, tags.as_mut()),
+            );
         }
         if let Some(seen) = seen.get(&key) {
-            answers.push(answer(way, sample, seen, reference, (scene, camera)));
+            answers.push(answer(way, sample, seen, reference, scene, camera));
         }
     }
     Ok(Measured { answers, usual, fit })

@@ -9,18 +9,18 @@ mod figures; // advice on figures
 mod held_out; // tags left out and predicted
 mod judge; // verdicts on ways
 mod measure; // every way on one photo
+mod method; // methods of a step
 mod page; // the page of an advice
 mod paired; // differences of two ways on the same photos
 mod poses; // advice on poses
 mod result; // what is advised
 mod table; // the table of an advice
-mod way; // ways of a step
 
 pub use error::AdviseError;
 pub use figures::{FigureAdvice, advise_figures};
 pub use held_out::Sample;
+pub use method::Question;
 pub use page::page;
 pub use poses::advise_poses;
 pub use result::{Advice, CameraVerdict, Choice, PoseAdvice};
 pub use table::{settings, table};
-pub use way::Question;

@@ -3,9 +3,9 @@
 use maud::{Markup, PreEscaped, html};
 
 use super::figures::FigureAdvice;
+use super::method::Question;
 use super::result::{Advice, CameraVerdict, Choice, PoseAdvice, Verdict};
 use super::table::{camera, findings, in_words, interval, number, unreadable};
-use super::way::Question;
 use crate::chart::milliseconds;
 use scaleproof_core::spelling::{count, digits};
 use scaleproof_plot::{Cloud, Dot, PlotAxis, Scale, plain_page, scatter};
@@ -45,7 +45,7 @@ pub fn page(all: &Advice) -> String {
 
 const HOW: &str = "Held out: a tag is left out, the pose is made of the others, and its corners are predicted; the error is the root mean square of the four, as an angle, and its mean over tags and photos. \
     “More than the best”: the difference from the most accurate way that locates as many photos, on the same photos, with its 95 % interval (2,000 resamples of the photos). Advised is the smallest way that \
-    loses no photo, moves none to another bin and none by more than five standard deviations of its usual pose, is not shown worse, whose error is within a twentieth of the smallest, and, of tags, whose poses are at most a twentieth less certain; of solvers, whose time is little beside the search, the usual one where it is such a way. Moved: how far the viewpoints are from the usual ones, middle photo.";
+    loses no photo, moves none to another bin and none by more than five standard deviations of its usual pose, is not shown worse, whose error is within a twentieth of the smallest, and, of tags, whose poses are at most a twentieth less certain; of solvers, whose time is little beside the search, the usual one where it is such a way. PoseShift: how far the viewpoints are from the usual ones, middle photo.";
 
 fn capital(title: &str) -> String {
     let mut letters = title.chars();

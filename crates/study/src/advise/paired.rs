@@ -1,6 +1,6 @@
 //! Two ways on the same photos: their held-out errors, and the distance between their viewpoints.
 
-use super::held_out::Answer;
+use super::held_out::MethodResult;
 use scaleproof_core::statistics::{FEWEST_CLUSTERS, Interval, intervals_95, upper_median};
 use scaleproof_pose::locate::Located;
 
@@ -14,7 +14,7 @@ pub(super) const FEWEST_PHOTOS: usize = FEWEST_CLUSTERS;
 pub(super) struct PairedErrors(Vec<[f64; 2]>);
 
 impl PairedErrors {
-    pub(super) fn new<'a>(pairs: impl Iterator<Item = (&'a Answer, &'a Answer)>) -> PairedErrors {
+    pub(super) fn new<'a>(pairs: impl Iterator<Item = (&'a MethodResult, &'a MethodResult)>) -> PairedErrors {
         let both = pairs.filter_map(|(a, b)| Some([a.held_out_deg?, b.held_out_deg?]));
         PairedErrors(both.collect())
     }
@@ -45,7 +45,7 @@ impl PairedErrors {
 }
 
 /// Difference between the viewpoints of two ways, in the middle photo of those that both locate.
-pub(super) struct Moved {
+pub(super) struct PoseShift {
     pub deg: Option<f64>,
     pub mm: Option<f64>,
     /// Photos whose direction differs by more than [`MOST_SIGMAS`] standard deviations of the second pose.
@@ -59,8 +59,8 @@ pub(super) struct Moved {
 /// Number of standard deviations beyond which a moved direction is another pose, or a far less certain one.
 const MOST_SIGMAS: f64 = 5.0;
 
-impl Moved {
-    pub(super) fn between<'a>(pairs: impl Iterator<Item = (&'a Answer, &'a Answer)>) -> Moved {
+impl PoseShift {
+    pub(super) fn between<'a>(pairs: impl Iterator<Item = (&'a MethodResult, &'a MethodResult)>) -> PoseShift {
         let (mut deg, mut mm, mut beyond_doubt, mut variance) = (Vec::new(), Vec::new(), 0, 0.0);
         for (a, b) in pairs.filter_map(|(a, b)| a.located.as_ref().zip(b.located.as_ref())) {
             let moved = direction_deg(a, b);
@@ -70,7 +70,7 @@ impl Moved {
             deg.push(moved);
             mm.push((a.viewpoint.distance_mm - b.viewpoint.distance_mm).abs());
         }
-        Moved {
+        PoseShift {
             deg: upper_median(&deg),
             mm: upper_median(&mm),
             beyond_doubt,

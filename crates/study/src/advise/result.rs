@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::figures::FigureAdvice;
-use super::way::Question;
+use super::method::Question;
 use scaleproof_core::statistics::Interval;
 use scaleproof_pose::scene::Viewpoint;
 

@@ -1,8 +1,8 @@
 //! The advice as text, and as a file that `score --settings` takes.
 
 use super::figures::{BOX_MARGIN, FigureAdvice};
+use super::method::Question;
 use super::result::{Advice, CameraCheck, CameraVerdict, Choice, Verdict};
-use super::way::Question;
 use scaleproof_core::spelling::{count, digits};
 use scaleproof_core::statistics::Interval;
 use scaleproof_score::ApDefinition;

@@ -149,7 +149,7 @@ pub fn measure(
         let mut found = Vec::new();
         for sample in samples {
             let photo = (&sample.luma, sample.turned_deg);
-            found.push(timed_tags(choice, detector.as_mut(), photo, (scene, camera)));
+            found.push(timed_tags(choice, detector.as_mut(), photo, scene, camera));
             on_done();
         }
         for model in LensTerms::ALL {

@@ -92,7 +92,8 @@ pub(crate) fn timed_tags(
     choice: TagDetectorChoice,
     detector: &mut dyn TagDetector,
     (luma, turned_deg): (&GrayImage, u32),
-    (scene, camera): (&Scene, &Camera),
+    scene: &Scene,
+    camera: &Camera,
 ) -> (Vec<SeenTag>, f64) {
     fastest(|| match choice {
         // The search stops where the pose says so, which is part of its time.

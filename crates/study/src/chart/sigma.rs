@@ -64,13 +64,13 @@ pub struct SigmaErrors {
     pub wrong_sure_bins: usize,
 }
 
-/// The share of errors within so many σ.
+/// Share of errors within a number of σ.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct SigmaCoverage {
     pub sigmas: f64,
-    /// Of normal errors whose σ is true.
+    /// Share of normal errors whose σ is true.
     pub expected: f64,
-    /// Of the measured errors.
+    /// Share of the measured errors.
     pub met: f64,
     /// 95 % interval of `met` (Wilson), as if the errors were independent.
     pub met_95: Interval,

@@ -220,7 +220,7 @@ pub fn on_views(
     let Ok(steps) = workers::map(
         &jobs,
         || Ok::<_, Infallible>(()),
-        |(), (seed, at)| Ok(sweep_step(*at, (scene, camera), solvers, views as u64, seed << 32)),
+        |(), (seed, at)| Ok(sweep_step(*at, scene, camera, solvers, views as u64, seed << 32)),
         on_done,
     );
     steps.into_iter().flatten().collect()
@@ -233,7 +233,8 @@ pub fn view_steps() -> usize {
 
 fn sweep_step(
     at: SweepAmount,
-    (scene, camera): (&Scene, &Camera),
+    scene: &Scene,
+    camera: &Camera,
     solvers: &[Solver],
     views: u64,
     seed: u64,

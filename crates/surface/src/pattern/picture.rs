@@ -9,7 +9,7 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, RgbImage};
 
 use super::{light, numpy};
 use scaleproof_core::files;
-use scaleproof_photo::{Budget, DecodeCost, Photo, PhotoError, open_png};
+use scaleproof_photo::{Budget, DecodeCost, DecodeProblem, Photo, PhotoError, open_png};
 
 /// Largest number of pixels along a side: as many as graphics cards take.
 const MAX_PIXELS: u32 = 16_384;
@@ -124,13 +124,16 @@ fn check_size((width, height): (u32, u32)) -> Result<(), String> {
 
 /// Returns the reason as a clause. Photos are copied again; other images are saved again.
 fn reason(error: PhotoError) -> String {
-    match error {
-        PhotoError::NotAnImage { .. } => "it is neither PNG nor JPEG".to_owned(),
-        PhotoError::Truncated { .. } => "it ends in the middle: save it again".to_owned(),
-        PhotoError::Damaged { reason, .. } => format!("it is damaged: {reason}"),
-        PhotoError::TooLarge { size, .. } => format!("it has {size}: scale it down"),
-        PhotoError::TooManyScans { scans, .. } => format!("it has {scans} scans, which take too long to decode"),
-        other => other.to_string(),
+    let PhotoError::Bytes { problem, .. } = &error else {
+        return error.to_string();
+    };
+    match problem {
+        DecodeProblem::NotAnImage => "it is neither PNG nor JPEG".to_owned(),
+        DecodeProblem::Truncated => "it ends in the middle: save it again".to_owned(),
+        DecodeProblem::Damaged(reason) => format!("it is damaged: {reason}"),
+        DecodeProblem::TooLarge(size) => format!("it has {size}: scale it down"),
+        DecodeProblem::TooManyScans(scans) => format!("it has {scans} scans, which take too long to decode"),
+        DecodeProblem::Heif(_) => error.to_string(),
     }
 }
 

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use proptest::prelude::*;
 use scaleproof_testing::write_program;
-use scaleproof_video::log::{Said, Teller};
+use scaleproof_video::log::{FrameLog, LogEvent};
 use scaleproof_video::{Selection, Video};
 
 use super::{GREYS, ffmpeg};
@@ -107,15 +107,15 @@ fn the_rest_of_a_long_line_is_no_line() {
 
 #[test]
 fn lines_count_by_their_beginning() {
-    let mut lines = Teller::called("secret").lines();
-    let mut said = |line: &str| lines.understood(line);
+    let mut lines = FrameLog::named("secret").parser();
+    let mut said = |line: &str| lines.parse(line);
     let frame = format!("{OWN}n:   0 pts:   2048 pts_time:0.2 fmt:yuv420p sar:1/1 s:64x48 i:P iskey:1 type:I");
     assert_eq!(said(&frame), None, "a time without a clock is none");
     assert_eq!(
         said(&format!("{OWN}config in time_base: 1/10240, frame_rate: 5/1")),
         None
     );
-    let expected = Said::Frame {
+    let expected = LogEvent::Frame {
         number: 0,
         time_s: 0.2,
         is_key: true,
@@ -137,24 +137,28 @@ fn lines_count_by_their_beginning() {
         "[error] left block unavailable",
         "[fatal] left block unavailable",
     ] {
-        assert_eq!(said(line), Some(Said::Error("left block unavailable".into())), "{line}");
+        assert_eq!(
+            said(line),
+            Some(LogEvent::Error("left block unavailable".into())),
+            "{line}"
+        );
     }
     for line in [
         "[h264 @ 0x55d0] [info] concealing 120 DC, 120 AC, 120 MV errors in P frame",
         "[warning] file:/dev/stdin: corrupt decoded frame in stream 0",
         "[dec:h264 @ 0x55d0] [warning] corrupt decoded frame",
     ] {
-        assert!(matches!(said(line), Some(Said::Error(_))), "{line}");
+        assert!(matches!(said(line), Some(LogEvent::Error(_))), "{line}");
     }
     let away = "[rtsp @ 0x55d0] [info] Status 302: Redirecting to rtsp://127.0.0.1:1/other";
-    assert!(matches!(said(away), Some(Said::Error(_))), "{away}");
+    assert!(matches!(said(away), Some(LogEvent::Error(_))), "{away}");
     let other_clock = format!("{OWN}config in time_base: 1/500, frame_rate: 5/1");
-    assert_eq!(said(&other_clock), Some(Said::Error("its clock changes".into())));
+    assert_eq!(said(&other_clock), Some(LogEvent::Error("its clock changes".into())));
 }
 
 #[test]
 fn no_two_runs_call_the_filter_alike() {
-    let names: BTreeSet<String> = (0..100).map(|_| format!("{:?}", Teller::default())).collect();
+    let names: BTreeSet<String> = (0..100).map(|_| format!("{:?}", FrameLog::default())).collect();
     assert_eq!(names.len(), 100);
 }
 
@@ -189,29 +193,29 @@ fn a_process_that_ffprobe_leaves_behind_is_not_waited_for() {
 proptest! {
     /// Nothing that does not begin as the filter begins makes a frame or a clock.
     #[test]
-    fn only_the_filter_makes_frames(lines in proptest::collection::vec(spoken(), 0..40)) {
-        let mut all = Teller::called("secret").lines();
+    fn only_the_filter_makes_frames(lines in proptest::collection::vec(line_(), 0..40)) {
+        let mut all = FrameLog::named("secret").parser();
         for line in &lines {
-            let said = all.understood(line);
-            prop_assert!(!matches!(said, Some(Said::Frame { .. })), "{line:?}");
+            let said = all.parse(line);
+            prop_assert!(!matches!(said, Some(LogEvent::Frame { .. })), "{line:?}");
         }
         let own = format!("{OWN}n: 3 pts: 10 s:4x2 iskey:0");
-        prop_assert_eq!(all.understood(&own), None, "a clock came from elsewhere");
+        prop_assert_eq!(all.parse(&own), None, "a clock came from elsewhere");
     }
 
     /// Whatever stands in the filter's own lines, a frame's time is a number.
     #[test]
     fn times_are_numbers(clock in "[0-9e/.inf, -]{0,24}", frame in "n:[ ]*[0-9-]{0,22} pts:[ ]*[0-9NOPTSe.inf-]{0,24} s:[0-9x]{0,20}") {
-        let mut lines = Teller::called("secret").lines();
-        lines.understood(&format!("{OWN}config in time_base: {clock}"));
-        if let Some(Said::Frame { time_s, .. }) = lines.understood(&format!("{OWN}{frame}")) {
+        let mut lines = FrameLog::named("secret").parser();
+        lines.parse(&format!("{OWN}config in time_base: {clock}"));
+        if let Some(LogEvent::Frame { time_s, .. }) = lines.parse(&format!("{OWN}{frame}")) {
             prop_assert!(time_s.is_finite());
         }
     }
 }
 
 /// A line of pieces of ffmpeg's lines, without the filter's own name.
-fn spoken() -> impl Strategy<Value = String> {
+fn line_() -> impl Strategy<Value = String> {
     let piece = prop_oneof![
         "[ -~]{0,12}",
         Just("[Parsed_showinfo_0 @ 0x1] ".to_owned()),

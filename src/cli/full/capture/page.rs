@@ -80,8 +80,7 @@ pub(super) fn follow(
 ) -> Result<bool> {
     let terminal = RefCell::new(terminal);
     let asked = |question: &Question, guidance: &Guidance| question.ask(guidance, &mut terminal.borrow_mut());
-    let asking =
-        question.map(|question| move |guidance: &Guidance| asked(question, guidance).map_err(|e| e.to_string()));
+    let asking = question.map(|question| move |guidance: &Guidance| asked(question, guidance));
     let ask: Option<AskPairs> = asking.as_ref().map(|ask| ask as AskPairs);
     let followed = page.follow(capture, scene, source, about, ask, &mut |news| match news {
         CaptureNotice::Seen {

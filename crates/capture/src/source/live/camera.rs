@@ -13,18 +13,18 @@ use crate::source::{FrameSource, Original, SourceError, SourceFrame};
 use scaleproof_core::message::message;
 use scaleproof_pose::camera::Camera;
 
-/// A camera that gives nothing for so long is gone.
+/// Time without an image after which a camera counts as gone.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// A camera that does not open within this time never will; some drivers wait for ever for a device that hangs. Where the system asks a
+/// Time in which a camera must open; some drivers wait for ever for a device that hangs. Where the system asks a
 /// person first, that takes its time, too.
 const OPENING: Duration = Duration::from_secs(if cfg!(target_os = "macos") { 75 } else { 15 });
 
-/// A single image may fail; so many in a row, this far apart, mean that the camera is gone.
+/// Maximum number of failures in a row, this far apart; a single image may fail.
 const MAX_FAILURES: u32 = 10;
 const AFTER_FAILURE: Duration = Duration::from_millis(100);
 
-/// What messages call a running camera.
+/// Name of a running camera, for messages.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum LiveName {
     /// A camera of this machine.
@@ -66,27 +66,27 @@ impl LiveName {
 /// The frames of a running camera, the newest one each time it is asked.
 pub struct LiveCamera {
     name: LiveName,
-    /// One that gives nothing for so long is gone.
+    /// Time without an image after which the camera counts as gone.
     patience: Duration,
     shared: Arc<SharedState>,
 }
 
-/// What the reading thread and the one that judges have in common.
+/// State that the reading thread and the judging thread share.
 #[derive(Default)]
 struct SharedState {
     state: Mutex<ReaderState>,
     changed: Condvar,
-    /// Nobody requests frames any more.
+    /// True once nobody requests frames any more.
     is_left: AtomicBool,
 }
 
 #[derive(Default)]
 struct ReaderState {
     is_open: bool,
-    /// Its number since the camera was opened, and the image, or why there is none at the moment. A newer one takes its place.
+    /// Number since the camera was opened, and the image, or the reason why there is none at the moment. A newer one replaces it.
     newest: Option<(u64, Result<RawImage, LiveCameraError>)>,
     settings: Option<CameraSettings>,
-    /// Why there will be no more.
+    /// Reason why no more will come.
     ended: Option<LiveCameraError>,
 }
 
@@ -100,10 +100,10 @@ impl LiveCamera {
         LiveCamera::from_device(number, OPENING, move || system::open(number, &camera))
     }
 
-    /// A camera of any make; `open` is called on the thread that reads it, and may take up to `limit`.
+    /// Starts a camera of any make; `open` is called on the thread that reads it, and may take up to `limit`.
     ///
     /// # Errors
-    /// What `open` says, or that it took longer.
+    /// The error of `open`, or that it took longer.
     pub fn from_device(
         number: u32,
         limit: Duration,
@@ -112,7 +112,7 @@ impl LiveCamera {
         LiveCamera::start(LiveName::Number(number), limit, PATIENCE, open)
     }
 
-    /// As [`LiveCamera::from_device`], for whatever gives images one after the other; one that gives nothing for `patience` is gone.
+    /// Starts whatever gives images one after the other, as [`LiveCamera::from_device`]; without an image for `patience` it is gone.
     ///
     /// # Errors
     /// As [`LiveCamera::from_device`].
@@ -166,12 +166,12 @@ impl Drop for LiveCamera {
 }
 
 impl SharedState {
-    /// A thread that failed leaves the state whole: every change is one assignment.
+    /// Locks the state, which a failed thread leaves whole: every change is one assignment.
     fn locked(&self) -> MutexGuard<'_, ReaderState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What is taken from the state as soon as it is there, why it will never be, or that it came `too_late`.
+    /// Waits until `take` takes something from the state; else returns the reason why it never will, or `too_late`.
     fn wait<T>(
         &self,
         limit: Duration,
@@ -194,7 +194,7 @@ impl SharedState {
     }
 }
 
-/// The thread's side. However it ends, the other side hears of it.
+/// Reading thread. However it ends, the state says so.
 struct ReaderThread(Arc<SharedState>);
 
 impl ReaderThread {

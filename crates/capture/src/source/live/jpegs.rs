@@ -10,20 +10,20 @@ const START: u8 = 0xD8;
 const END: u8 = 0xD9;
 const SCAN: u8 = 0xDA;
 
-/// Cuts a stream into its JPEG files, each byte for byte (ITU-T T.81, annex B). What lies between them, and one that is broken off, is left
+/// Iterator over the JPEG files of a stream, byte for byte (ITU-T T.81, annex B). Bytes between them, and a file that is broken off, are left
 /// out. It holds one image and what was read behind it.
 pub struct Jpegs<R> {
     from: R,
     held: Vec<u8>,
 }
 
-/// How a JPEG goes on at a place.
+/// Continuation of a JPEG at a place.
 enum Step {
-    /// To that place.
+    /// The next marker is at that place.
     To(usize),
     /// It ends before that place.
     End(usize),
-    /// What is here does not belong to a JPEG, or the stream ends here.
+    /// No JPEG goes on here, or the stream ends.
     Broken,
 }
 
@@ -32,7 +32,7 @@ impl<R: Read> Jpegs<R> {
         Jpegs { from, held: Vec::new() }
     }
 
-    /// The next whole image, waited for; `None` at the end of the stream.
+    /// Waits for the next whole image; `None` at the end of the stream.
     ///
     /// # Errors
     /// The stream cannot be read, or has no JPEG within 32 MB.
@@ -61,7 +61,7 @@ impl<R: Read> Jpegs<R> {
         Err(io::Error::other("what it sends is no JPEG"))
     }
 
-    /// Lets the next image stand at the beginning; how many bytes were left out before it. `None` at the end of the stream.
+    /// Moves the next image to the beginning of the buffer; returns the number of bytes before it. `None` at the end of the stream.
     fn start(&mut self) -> io::Result<Option<usize>> {
         let mut skipped = 0;
         loop {
@@ -81,7 +81,7 @@ impl<R: Read> Jpegs<R> {
         }
     }
 
-    /// From a marker to the next.
+    /// Steps from a marker to the next.
     fn step(&mut self, at: usize) -> io::Result<Step> {
         if at > MOST_BYTES {
             return Ok(Step::Broken);
@@ -109,7 +109,7 @@ impl<R: Read> Jpegs<R> {
         }
     }
 
-    /// From the pixels of a scan to the marker behind them: in them 0xFF is followed by 0 or a restart marker.
+    /// Steps from the data of a scan to the marker behind it: in the data 0xFF is followed by 0 or a restart marker.
     fn pixels(&mut self, mut at: usize) -> io::Result<Step> {
         while at <= MOST_BYTES {
             let seen = self.held.get(at..).unwrap_or_default();
@@ -136,7 +136,7 @@ impl<R: Read> Jpegs<R> {
         Ok(true)
     }
 
-    /// Reads on; whether there was more.
+    /// Reads on; returns false at the end of the stream.
     fn more(&mut self) -> io::Result<bool> {
         let before = self.held.len();
         self.held.resize(before + READ, 0);

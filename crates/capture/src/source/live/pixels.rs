@@ -1,4 +1,4 @@
-//! What cameras send, as images: a motion JPEG becomes the JPEG file it almost is, raw pixels become colours.
+//! Images of cameras: a motion JPEG becomes the JPEG file it almost is, raw pixels become colours.
 
 use image::{GrayImage, RgbImage};
 use opencv::core::{Mat, MatTraitConst, MatTraitConstManual};
@@ -7,7 +7,7 @@ use opencv::imgproc;
 use crate::source::Original;
 use scaleproof_photo::standard_huffman_tables;
 
-/// How a camera packs its pixels.
+/// Format in which a camera packs its pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PixelFormat {
     /// One JPEG an image, often without the Huffman tables that all of them share.
@@ -33,7 +33,7 @@ pub struct RawImage {
 const BROKEN: &str = "the camera sent half an image: check its cable";
 
 impl RawImage {
-    /// The file or the pixels to keep of it.
+    /// Returns the file or the pixels to keep of it.
     ///
     /// # Errors
     /// A sentence, for an image that is not whole.
@@ -77,7 +77,7 @@ impl RawImage {
     }
 }
 
-/// Colours of `CHANNELS` bytes a pixel by OpenCV; an exception of it is an image that is not whole.
+/// Converts pixels of `CHANNELS` bytes to RGB by OpenCV; `None` if it fails, as on an image that is not whole.
 fn converted<const CHANNELS: usize>(bytes: &[u8], [columns, rows]: [u32; 2], code: i32) -> Option<RgbImage> {
     let channels = i32::try_from(CHANNELS).ok()?;
     let raw = Mat::from_slice(bytes).ok()?;
@@ -88,7 +88,7 @@ fn converted<const CHANNELS: usize>(bytes: &[u8], [columns, rows]: [u32; 2], cod
     RgbImage::from_raw(columns, height, rgb.data_bytes().ok()?.to_vec())
 }
 
-/// The JPEG file in a buffer: what follows its end is left out, and the standard's Huffman tables are put in where it has none.
+/// Returns the JPEG file in a buffer: what follows its end is left out, and the standard's Huffman tables are put in where it has none.
 /// `None` when it is not whole.
 fn jpeg_file(buffer: &[u8]) -> Option<Vec<u8>> {
     let segments = Segments::read(buffer)?;
@@ -108,15 +108,15 @@ const END: u8 = 0xD9;
 const HUFFMAN: u8 = 0xC4;
 const SCAN: u8 = 0xDA;
 
-/// Where the parts of a JPEG lie before its pixels (ITU-T T.81, annex B).
+/// Places of the parts of a JPEG before its pixels (ITU-T T.81, annex B).
 struct Segments {
-    /// Whether Huffman tables are among them.
+    /// True if Huffman tables are among them.
     has_tables: bool,
-    /// The marker that begins the scan.
+    /// Place of the marker that begins the scan.
     scan: usize,
 }
 
-/// Width and height that a JPEG states.
+/// Returns the width and height that a JPEG states, px.
 pub fn jpeg_size(bytes: &[u8]) -> Option<[u32; 2]> {
     let reader = image::ImageReader::with_format(std::io::Cursor::new(bytes), image::ImageFormat::Jpeg);
     reader.into_dimensions().ok().map(|(width, height)| [width, height])

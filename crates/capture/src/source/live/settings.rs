@@ -1,14 +1,14 @@
-//! What a camera is set to, as it is kept beside each photo.
+//! Settings of a camera, as stored beside each photo.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// What a camera was set to when its photos were taken.
+/// Settings of a camera when its photos were taken.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraSettings {
-    /// As the camera calls itself.
+    /// Name that the camera gives itself.
     pub device: String,
     /// Pixel format, size and images a second, as the camera gives them.
     pub format: String,
@@ -21,9 +21,9 @@ pub struct CameraSettings {
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Setting {
-    /// Whether it stays as it is until the capture ends.
+    /// True if it stays as it is until the capture ends.
     pub is_locked: bool,
-    /// In the driver's unit: exposure on Linux in 100 µs, white balance in kelvin. `None` where the driver does not say.
+    /// Value in the driver's unit: exposure on Linux in 100 µs, white balance in kelvin. `None` where the driver does not say.
     pub value: Option<i64>,
 }
 

@@ -19,7 +19,7 @@ use scaleproof_pose::camera::Camera;
 /// A camera that the system knows.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ListedCamera {
-    /// What `camera:N` calls it.
+    /// Number in `camera:N`.
     pub number: u32,
     pub name: String,
     pub description: String,
@@ -35,13 +35,13 @@ const FORMATS: [(FrameFormat, PixelFormat); 6] = [
     (FrameFormat::MJPEG, PixelFormat::Mjpeg),
 ];
 
-/// Below this many images a second, advice comes late.
+/// Least number of images a second at which advice is timely.
 const ENOUGH_FPS: u32 = 15;
 
-/// How long a person may take to allow the use of the camera, where the system asks.
+/// Time in which a person must allow the use of the camera, where the system asks.
 const PERMISSION: Duration = Duration::from_secs(60);
 
-/// The cameras of this machine, by number. Some systems list a camera several times; not every entry gives images.
+/// Lists the cameras of this machine, by number. Some systems list a camera several times; not every entry gives images.
 ///
 /// # Errors
 /// A system whose cameras cannot be listed.
@@ -95,7 +95,7 @@ fn failed(e: NokhwaError) -> LiveCameraError {
     LiveCameraError::Failed(e.to_string())
 }
 
-/// The size nearest to the calibrated one among those of its shape; of one size, enough images a second first, then raw pixels.
+/// Chooses the size nearest to the calibrated one among those of its shape; of one size, enough images a second first, then raw pixels.
 ///
 /// # Errors
 /// None has the shape of the camera file's images.
@@ -149,10 +149,10 @@ impl Device for NokhwaCamera {
     }
 }
 
-/// How a setting is held: the control that decides whether it is automatic, its value for "by hand", and the control of the setting itself.
+/// Controls of a setting: the one that makes it automatic, its value for "by hand", and the one of the setting itself.
 type LockControl = (KnownCameraControl, ControlValueSetter, KnownCameraControl);
 
-/// Of exposure, focus and white balance, by the ids of Video4Linux (`linux/v4l2-controls.h`): V4L2_CID_EXPOSURE_AUTO (1: manual),
+/// Returns the controls of exposure, focus and white balance, by the ids of Video4Linux (`linux/v4l2-controls.h`): V4L2_CID_EXPOSURE_AUTO (1: manual),
 /// V4L2_CID_EXPOSURE_ABSOLUTE; V4L2_CID_FOCUS_AUTO, V4L2_CID_FOCUS_ABSOLUTE; V4L2_CID_AUTO_WHITE_BALANCE,
 /// V4L2_CID_WHITE_BALANCE_TEMPERATURE.
 #[cfg(target_os = "linux")]
@@ -166,7 +166,7 @@ fn lock_controls() -> [LockControl; 3] {
     ]
 }
 
-/// Elsewhere one control is both: mode 0 of AVFoundation is "locked".
+/// Returns one control for both, as elsewhere: mode 0 of AVFoundation is "locked".
 #[cfg(not(target_os = "linux"))]
 fn lock_controls() -> [LockControl; 3] {
     use KnownCameraControl::{Exposure, Focus, WhiteBalance};

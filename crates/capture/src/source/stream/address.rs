@@ -6,7 +6,7 @@ use std::fmt;
 #[derive(Clone, PartialEq, Eq)]
 pub struct StreamAddress(String);
 
-/// How a stream is carried.
+/// Protocol of a stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StreamScheme {
     /// JPEG files one after the other, as `multipart/x-mixed-replace`.
@@ -16,18 +16,18 @@ pub enum StreamScheme {
 }
 
 impl StreamAddress {
-    /// Whether a text is meant for an address, of whatever kind: a word, and `://`.
+    /// Returns true if a text is meant for an address, of whatever kind: a word, and `://`.
     pub fn looks_like(text: &str) -> bool {
         let scheme = text.split_once("://").map_or("", |(scheme, _)| scheme);
         !scheme.is_empty() && scheme.chars().all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))
     }
 
-    /// Any text that looks like one; whether it is one is told by [`StreamAddress::scheme`].
+    /// Creates an address of any text that looks like one; [`StreamAddress::scheme`] checks it.
     pub fn new(text: &str) -> StreamAddress {
         StreamAddress(text.to_owned())
     }
 
-    /// How it is to be read.
+    /// Returns its protocol.
     ///
     /// # Errors
     /// A clause: an address of another kind, without a host, or with blanks.
@@ -57,12 +57,12 @@ impl StreamAddress {
         Ok(scheme)
     }
 
-    /// With its password: for the decoder alone.
+    /// Returns the address with its password: for the decoder alone.
     pub(super) fn secret(&self) -> &str {
         &self.0
     }
 
-    /// What the decoder says of it, without what must not be shown.
+    /// Removes user, password and query from a text of the decoder's.
     pub(super) fn without_secrets(&self, said: &str) -> String {
         let mut said = said.replace(&self.0, &self.to_string());
         let rest = self.0.split_once("://").map_or(self.0.as_str(), |(_, rest)| rest);
@@ -78,7 +78,7 @@ impl StreamAddress {
     }
 }
 
-/// What follows the user and the password. A password may have any sign in it, so the last `@` counts.
+/// Returns what follows the user and the password. A password may have any sign in it, so the last `@` counts.
 fn without_user(rest: &str) -> &str {
     rest.rsplit_once('@').map_or(rest, |(_, rest)| rest)
 }
@@ -94,7 +94,7 @@ impl fmt::Display for StreamAddress {
     }
 }
 
-/// As it is shown.
+/// Shows no secrets either.
 impl fmt::Debug for StreamAddress {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         fmt::Display::fmt(self, f)

@@ -12,7 +12,7 @@ use crate::source::live::{Jpegs, PixelFormat, RawImage, jpeg_size};
 use crate::source::programs::{RunningProgram, is_there};
 use scaleproof_video::{Frames, Input, Selection, Video, VideoError};
 
-/// A camera that sends nothing for so long is not there any more.
+/// Time without data after which a camera counts as gone.
 const SILENCE: Duration = Duration::from_secs(5);
 
 /// ffmpeg takes 0.3 GB of addresses, of which most is its own code. Of an image that says that it is larger it would hold as much as is sent.
@@ -20,13 +20,13 @@ const MOST_MEMORY: u64 = 1 << 30;
 
 /// One connection to a camera that streams.
 pub trait Connection {
-    /// The next image, waited for.
+    /// Waits for the next image.
     ///
     /// # Errors
     /// A clause: why there will be no more.
     fn image(&mut self) -> Result<RawImage, String>;
 
-    /// What it carries, such as `motion JPEG` or `h264`.
+    /// Returns the name of its codec, such as `motion JPEG` or `h264`.
     fn described(&self) -> String;
 }
 
@@ -87,7 +87,7 @@ impl MotionJpeg {
         })
     }
 
-    /// Why it has ended, by what ffmpeg said.
+    /// Returns the reason why it has ended, from ffmpeg's messages.
     fn reason(&mut self) -> String {
         self.program.ended_within(Duration::from_secs(1));
         let said = self.address.without_secrets(&self.program.said());
@@ -189,7 +189,7 @@ impl Connection for Rtsp {
     }
 }
 
-/// The clause of an error that is about a file in its own words.
+/// Returns the reason of an error as a clause, in words about a stream instead of a file.
 fn reason(e: &VideoError) -> String {
     match e {
         VideoError::NotAVideo { reason, .. } | VideoError::Damaged { reason, .. } => reason.clone(),
@@ -200,7 +200,7 @@ fn reason(e: &VideoError) -> String {
     }
 }
 
-/// The option of ffmpeg's RTSP reader after how many microseconds of silence it gives up: `-timeout` since ffmpeg 5, `-stimeout` before, when
+/// Returns the option of ffmpeg's RTSP reader after how many microseconds of silence it gives up: `-timeout` since ffmpeg 5, `-stimeout` before, when
 /// `-timeout` let it wait for a camera that calls.
 fn silence_option() -> &'static str {
     static OPTION: OnceLock<&str> = OnceLock::new();

@@ -15,7 +15,7 @@ use scaleproof_pose::camera::Camera;
 pub use address::{StreamAddress, StreamScheme};
 pub use connection::Connection;
 
-/// Waits before it connects again; after the last try it is over.
+/// Waits before each new connection; after the last try the stream ends.
 pub const BACK_OFF: [Duration; 5] = [
     Duration::from_millis(500),
     Duration::from_secs(1),
@@ -24,10 +24,10 @@ pub const BACK_OFF: [Duration; 5] = [
     Duration::from_secs(8),
 ];
 
-/// A connection that has lasted so long is a good one: the next loss begins with the shortest wait.
+/// Duration after which a connection counts as good: the next loss begins with the shortest wait.
 const GOOD: Duration = Duration::from_secs(10);
 
-/// Longer than a connection takes to give up by itself, so that its reason is heard.
+/// Times longer than a connection takes to give up by itself, so that its reason is known.
 const OPENING: Duration = Duration::from_secs(20);
 const PATIENCE: Duration = Duration::from_secs(40);
 
@@ -45,7 +45,7 @@ pub fn open(address: &StreamAddress, camera: &Camera) -> Result<LiveCamera, Sour
     })
 }
 
-/// Frames of whatever connects; `is_of_use` says whether images of a size can be. After a loss it connects again, as often as `back_off` has waits.
+/// Starts a camera of whatever connects; `is_of_use` accepts images of a size. After a loss it connects again, as often as `back_off` has waits.
 ///
 /// # Errors
 /// As [`open`].
@@ -91,12 +91,12 @@ struct Stream {
     since: Instant,
     connect: Box<dyn FnMut() -> Result<Box<dyn Connection>, String>>,
     back_off: &'static [Duration],
-    /// How often it was lost in a row.
+    /// Number of losses in a row.
     lost: usize,
 }
 
 impl Stream {
-    /// An image of the connection, which is made first where there is none.
+    /// Returns an image of the connection, which is made first if there is none.
     fn try_image(&mut self) -> Result<RawImage, String> {
         let connection = match &mut self.connection {
             Some(connection) => connection,
@@ -149,7 +149,7 @@ impl Device for Stream {
         )))
     }
 
-    /// Nothing is held: a stream carries images only.
+    /// Locks nothing: a stream carries images only.
     fn lock(&mut self) -> CameraSettings {
         let [width, height] = self.size;
         CameraSettings {

@@ -41,7 +41,7 @@ impl Question {
 
 /// A way from a photo to its pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Way {
+pub(super) struct Method {
     pub question: Question,
     pub detector: TagDetectorChoice,
     pub solver: Solver,
@@ -54,8 +54,8 @@ pub(super) struct Way {
 }
 
 /// Returns the way in which the program locates photos.
-pub(super) fn usual(question: Question) -> Way {
-    Way {
+pub(super) fn usual(question: Question) -> Method {
+    Method {
         question,
         detector: TagDetectorChoice::default(),
         solver: Solver::default(),
@@ -71,25 +71,25 @@ const ALL_TERMS: usize = 8;
 /// Largest number of tags that is tried; more in one photo are all of them.
 const MOST_TAGS: usize = 6;
 
-impl Way {
+impl Method {
     /// Returns the ways that answer a question, the usual one among them. `detectors` read the scene's tags.
-    pub(super) fn answers(question: Question, detectors: &[TagDetectorChoice], camera: &Camera) -> Vec<Way> {
+    pub(super) fn answers(question: Question, detectors: &[TagDetectorChoice], camera: &Camera) -> Vec<Method> {
         let usual = usual(question);
         match question {
-            Question::TagDetector => detectors.iter().map(|&detector| Way { detector, ..usual }).collect(),
-            Question::Solver => Solver::all().map(|solver| Way { solver, ..usual }).to_vec(),
+            Question::TagDetector => detectors.iter().map(|&detector| Method { detector, ..usual }).collect(),
+            Question::Solver => Solver::all().map(|solver| Method { solver, ..usual }).to_vec(),
             Question::CameraModel => {
                 let last = camera.distortion().iter().rposition(|k| *k != 0.0);
                 let needed = last.map_or(0, |last| last + 1);
                 let kept = [0, 1, 2, 4].into_iter().filter(|kept| *kept < needed);
-                let smaller = kept.map(|lens_terms| Way { lens_terms, ..usual });
+                let smaller = kept.map(|lens_terms| Method { lens_terms, ..usual });
                 smaller.chain([usual]).collect()
             }
             Question::Tags => {
                 let some = (1..=MOST_TAGS).map(Some).chain([None]);
-                some.map(|most_tags| Way { most_tags, ..usual }).collect()
+                some.map(|most_tags| Method { most_tags, ..usual }).collect()
             }
-            Question::Resolution => [8, 4, 2, 1].map(|reduced_by| Way { reduced_by, ..usual }).to_vec(),
+            Question::Resolution => [8, 4, 2, 1].map(|reduced_by| Method { reduced_by, ..usual }).to_vec(),
         }
     }
 
@@ -98,9 +98,9 @@ impl Way {
     }
 
     /// Returns true if both do the same, whichever question they answer.
-    pub(super) fn is_same(&self, other: &Way) -> bool {
+    pub(super) fn is_same(&self, other: &Method) -> bool {
         let question = self.question;
-        *self == Way { question, ..*other }
+        *self == Method { question, ..*other }
     }
 
     /// Returns the name in tables and settings.
