@@ -1,8 +1,8 @@
 //! Tests of `cli/advice.rs`.
 
 use super::*;
-use scaleproof_detect::WeightsError;
 use scaleproof_core::message::message;
+use scaleproof_detect::WeightsError;
 use scaleproof_score::{EvaluatedDetectorError, ScoreError};
 
 #[test]
@@ -19,7 +19,11 @@ fn what_the_library_leaves_out_the_commands_add() {
     );
     let recorded = message!("1.jpg has none of a").hint("run without ‹recorded›, or record them again with ‹record›");
     assert!(
-        sentence(&ScoreError::from(recorded)).ends_with("of a; run without --recorded, or record them again with --record")
+        sentence(&ScoreError::from(recorded))
+            .ends_with("of a; run without --recorded, or record them again with --record")
     );
-    assert_eq!(sentence(&ScoreError::from(message!("no session to score"))), "no session to score");
+    assert_eq!(
+        sentence(&ScoreError::from(message!("no session to score"))),
+        "no session to score"
+    );
 }

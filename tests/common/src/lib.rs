@@ -126,7 +126,8 @@ pub fn assert_refused(output: &Output, words: &[&str]) {
     let is_refusal = |line: &&str| ["error: ", "no pose for "].iter().any(|start| line.starts_with(start));
     // A hint may stand below it.
     let is_hint = |line: &&str| line.starts_with("hint: ");
-    let is_last = text.lines().rev().find(|line| !is_hint(line)).as_ref().is_some_and(is_refusal);
+    let last = text.lines().rfind(|line| !is_hint(line));
+    let is_last = last.as_ref().is_some_and(is_refusal);
     assert!(
         is_last && text.lines().filter(is_refusal).count() == 1,
         "one sentence, not: {text}"

@@ -6,7 +6,7 @@ use crate::compare::error::CompareError;
 use crate::compare::pairs::some_pairs;
 use crate::compare::{pair, pairs};
 use crate::evaluated::EvaluatedDetector;
-use crate::figures::{Compared, Comparison, Control, ScoredPhoto, ScoredSet, Scores, Side, variants};
+use crate::figures::{Compared, Comparison, Control, DetectorView, ScoredPhoto, ScoredSet, Scores, variants};
 use scaleproof_core::ap::ApDefinition;
 use scaleproof_core::statistics::{DRAWS, SEED};
 
@@ -106,7 +106,7 @@ pub(crate) fn compare_set(
     for variant in others {
         let (cells, left_over) = some_pairs(set, base, variant)?;
         unpaired.extend(left_over);
-        for (side, detector) in Side::each(set.detectors) {
+        for (side, detector) in DetectorView::each(set.detectors) {
             let name = detector.manifest.name.clone();
             results.push(compared(name, variant, &cells, side, definition));
         }

@@ -20,7 +20,9 @@ pub(crate) fn cautions(
     not_scored: &[NotScored],
     sessions: &[Session],
     detectors: &[EvaluatedDetector],
-    (base, control, summaries): (&str, Option<&str>, &[Summary]),
+    base: &str,
+    control: Option<&str>,
+    summaries: &[Summary],
 ) -> Vec<String> {
     let mut cautions = Vec::new();
     // Figures that may be of something else.

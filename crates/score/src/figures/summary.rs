@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::evaluated::EvaluatedDetector;
 use crate::figures::grouping::in_order;
 use crate::figures::thresholds::MATCH_IOU;
-use crate::figures::{GroupBy, PhotoOutcome, ScoredPhoto, Side, variants};
+use crate::figures::{DetectorView, GroupBy, PhotoOutcome, ScoredPhoto, variants};
 use scaleproof_core::ap::{ApDefinition, average_precision_as, over_ious};
 use scaleproof_core::statistics::{median, wilson_95};
 use scaleproof_pose::scene::{Bin, Bins};
@@ -157,7 +157,7 @@ pub(crate) struct Basis<'a> {
 /// Returns the figures of every detector on every variant, the base variant first, the others by name.
 pub(crate) fn summaries(photos: &[ScoredPhoto], detectors: &[EvaluatedDetector], basis: Basis) -> Vec<Summary> {
     let mut summaries = Vec::new();
-    for (side, detector) in Side::each(detectors) {
+    for (side, detector) in DetectorView::each(detectors) {
         let name = &detector.manifest.name;
         let variants = variants(photos, basis.base).into_iter();
         let mut own: Vec<Summary> = variants
@@ -173,11 +173,17 @@ pub(crate) fn summaries(photos: &[ScoredPhoto], detectors: &[EvaluatedDetector],
 }
 
 /// Detector whose figures are computed, and definition of AP.
-type By<'a> = (Side<'a>, ApDefinition);
+type By<'a> = (DetectorView<'a>, ApDefinition);
 
 impl Summary {
     /// Computes the figures alone, without drops; `None` without a photo of the variant.
-    fn new(detector: &str, variant: String, photos: &[ScoredPhoto], side: Side, basis: Basis) -> Option<Summary> {
+    fn new(
+        detector: &str,
+        variant: String,
+        photos: &[ScoredPhoto],
+        side: DetectorView,
+        basis: Basis,
+    ) -> Option<Summary> {
         let photos: Vec<&ScoredPhoto> = photos.iter().filter(|p| p.variant == variant).collect();
         let by_whom = (side, basis.ap);
         let by_azimuth = by(&photos, by_whom, |p| p.bin.map(|b| thousandths(b.azimuth_deg)));

@@ -112,7 +112,8 @@ fn unless_run_ends<T>(seen: Result<T, Stop>) -> Result<Result<T, NotScoredReason
 
 impl<'a> Observer<'a> {
     pub(crate) fn new(
-        (families, tags): (&'a [TagFamily], TagDetectorChoice),
+        families: &'a [TagFamily],
+        tags: TagDetectorChoice,
         detectors: &'a [EvaluatedDetector],
         runtime: Option<&'static Runtime>,
         cache: Option<&'a Cache>,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::compare::{compare_set, decide_families};
 use crate::error::ScoreError;
-use crate::figures::{Compared, Held, ScoredPhoto, ScoredSet, Scores, UNDEFENDED};
+use crate::figures::{Compared, PairedDifference, ScoredPhoto, ScoredSet, Scores, UNDEFENDED};
 use crate::observe::Options;
 use crate::robustness::changed_photo::Seen;
 use crate::robustness::condition::per_condition;
@@ -20,18 +20,18 @@ pub(crate) fn changes(
     photos: &[Seen],
     conditions: usize,
     options: &Options,
-) -> Result<Vec<Vec<Held>>, ScoreError> {
+) -> Result<Vec<Vec<PairedDifference>>, ScoreError> {
     let mut all = per_condition(options, conditions, |at| compared(scores, photos, at))?;
     for own in families(&mut all) {
         // A base that was not seen before may be seen after a defence.
         decide_families(vec![own], 0.0);
     }
-    let held = |own: Vec<Compared>| {
+    let differences = |own: Vec<Compared>| {
         own.into_iter()
-            .map(|compared| Held::new(UNDEFENDED, compared))
+            .map(|compared| PairedDifference::new(UNDEFENDED, compared))
             .collect()
     };
-    Ok(all.into_iter().map(held).collect())
+    Ok(all.into_iter().map(differences).collect())
 }
 
 /// Groups comparisons that are tested together: the same detector and variant under all conditions.

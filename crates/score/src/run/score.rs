@@ -118,11 +118,11 @@ fn over_photos<T: Sync, R: Send>(
     let families = sessions.iter().flat_map(|s| s.scene.families());
     let families: Vec<_> = families.collect::<BTreeSet<_>>().into_iter().collect();
     let photos = sessions.iter().map(|s| s.photos.len()).sum();
-    let (tags, cache) = ((families.as_slice(), options.tags), options.cache.as_ref());
+    let cache = options.cache.as_ref();
     workers::map_over(
         options.threads,
         items,
-        || Observer::new(tags, detectors, runtime, cache, photos),
+        || Observer::new(&families, options.tags, detectors, runtime, cache, photos),
         |observer, item| {
             if options.stop.load(Ordering::Relaxed) {
                 bail!("the run was stopped");

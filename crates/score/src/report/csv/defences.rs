@@ -15,7 +15,7 @@ pub(crate) fn csv(scores: &Scores, defences: &Defences) -> Result<String, Report
         .flat_map(|(what, rows)| rows.iter().map(move |row| (what, row)));
     csv_of(rows.map(|(what, row)| {
         let mut line = vec![("of", json!(what)), ("defence", json!(row.defence))];
-        line.extend(columns(scores, &row.held));
+        line.extend(columns(scores, &row.difference));
         line
     }))
 }

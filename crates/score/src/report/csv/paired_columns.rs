@@ -2,24 +2,27 @@
 
 use serde_json::{Value, json};
 
-use crate::figures::{Difference, Held, Scores};
+use crate::figures::{Difference, PairedDifference, Scores};
 use crate::report::words::counted;
 
 /// Returns the columns of a comparison of a variant with a base.
-pub(crate) fn columns(scores: &Scores, held: &Held) -> Vec<(&'static str, Value)> {
+pub(crate) fn columns(scores: &Scores, difference: &PairedDifference) -> Vec<(&'static str, Value)> {
     let mut line = vec![
-        ("base", json!(held.base)),
-        ("variant", json!(held.variant)),
-        ("detector", json!(held.detector)),
-        ("pairs", json!(held.pairs)),
+        ("base", json!(difference.base)),
+        ("variant", json!(difference.variant)),
+        ("detector", json!(difference.detector)),
+        ("pairs", json!(difference.pairs)),
     ];
-    line.push(("effect", json!(held.finding.map(|finding| finding.effect))));
-    line.push(("p", json!(held.finding.map(|finding| finding.confidence_p))));
-    line.extend(CONFIDENCE.into_iter().zip(values(&held.mean_confidence)));
-    line.extend(AP50.into_iter().zip(values(&held.ap50)));
-    line.extend(HIT_RATE.into_iter().zip(values(&held.hit_rate)));
+    line.push(("effect", json!(difference.finding.map(|finding| finding.effect))));
+    line.push(("p", json!(difference.finding.map(|finding| finding.confidence_p))));
+    line.extend(CONFIDENCE.into_iter().zip(values(&difference.mean_confidence)));
+    line.extend(AP50.into_iter().zip(values(&difference.ap50)));
+    line.extend(HIT_RATE.into_iter().zip(values(&difference.hit_rate)));
     line.push(("ap_definition", json!(scores.criteria.ap.name())));
-    line.push(("box_labels", json!(counted::box_labels_of(scores, &held.detector))));
+    line.push((
+        "box_labels",
+        json!(counted::box_labels_of(scores, &difference.detector)),
+    ));
     line
 }
 

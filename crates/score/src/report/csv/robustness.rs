@@ -19,7 +19,7 @@ pub(crate) fn csv(scores: &Scores, robustness: &Robustness) -> Result<String, Re
             ("severity", json!(row.severity)),
             ("amount", json!(row.amount)),
         ];
-        line.extend(columns(scores, &row.held));
+        line.extend(columns(scores, &row.difference));
         line
     }))
 }

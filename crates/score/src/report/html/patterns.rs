@@ -4,7 +4,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{Markup, html};
 
-use crate::figures::{ScoredPhoto, Scores, WornPattern};
+use crate::figures::{ScoredPhoto, Scores, TexturePattern};
 
 /// Number of photos that show a texture on the model.
 const STRIP: usize = 8;
@@ -44,7 +44,7 @@ pub(crate) fn strips(scores: &Scores, textures: &[String]) -> Markup {
     }
 }
 
-fn of<'a>(scores: &'a Scores, variant: &str) -> Option<&'a WornPattern> {
+fn of<'a>(scores: &'a Scores, variant: &str) -> Option<&'a TexturePattern> {
     scores.patterns.iter().find(|p| p.variant == variant)
 }
 
@@ -56,12 +56,12 @@ fn spread<'a>(scores: &'a Scores, variant: &str) -> Vec<&'a ScoredPhoto> {
     (0..count).map(|i| own[i * own.len() / count]).collect()
 }
 
-fn image(pattern: &WornPattern) -> Markup {
+fn image(pattern: &TexturePattern) -> Markup {
     let source = format!("data:image/png;base64,{}", STANDARD.encode(&pattern.png));
     html! { img alt=(format!("The pattern of {}", pattern.variant)) src=(source); }
 }
 
-fn facts(pattern: &WornPattern) -> Markup {
+fn facts(pattern: &TexturePattern) -> Markup {
     let [columns, rows] = pattern.cells;
     html! {
         b { (pattern.variant) } ", " (pattern.file) ": " (columns) " × " (rows) " cells, a repeat "
@@ -69,12 +69,12 @@ fn facts(pattern: &WornPattern) -> Markup {
     }
 }
 
-fn print(pattern: &WornPattern) -> String {
+fn print(pattern: &TexturePattern) -> String {
     pattern.print_delta_e.map_or("not measured".to_owned(), |off| {
         format!("off by ΔE2000 {off:.1} (mean over cells)")
     })
 }
 
-fn hash(pattern: &WornPattern) -> Markup {
+fn hash(pattern: &TexturePattern) -> Markup {
     html! { br; small { "SHA-256 " (pattern.sha256) } }
 }
