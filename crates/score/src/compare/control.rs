@@ -1,7 +1,6 @@
 //! Control, a second round of the base: effects no larger than the difference between the two rounds are withheld.
 
-use crate::compare::error::CompareError;
-use crate::compare::pairs;
+use crate::compare::{CompareError, pairs};
 use crate::figures::{Compared, Control, Difference, Effect, Finding, Scores};
 use scaleproof_core::message::bail;
 use scaleproof_core::spelling;

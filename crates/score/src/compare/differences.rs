@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use crate::compare::Cell;
-use crate::compare::pairs::{Cluster, Pair, clusters};
+use crate::compare::pairs::Cluster;
+use crate::compare::{Cell, Pair, clusters};
 use crate::figures::{
     BinHits, ClusteredAp, ClusteredBy, Compared, DetectorView, Difference, Hits, PairedView, ScoredPhoto, Sums,
 };

@@ -20,7 +20,7 @@ pub use differences::difference;
 pub(crate) use differences::view;
 pub use error::CompareError;
 pub use moved::moved_drops;
-pub(crate) use pairs::{Cell, pair, pairs};
+pub(crate) use pairs::{Cell, Pair, clusters, pair, pairs, some_pairs};
 pub use ranking::ranking;
 pub use sequential::{decide_by_looks, most_telling, sequential};
 pub(crate) use textures::compare_set;

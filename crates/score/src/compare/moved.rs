@@ -1,8 +1,8 @@
 //! Change of a drop of AP when it is measured in another way on the same photos.
 
 use crate::compare::differences::paired_ap;
-use crate::compare::pair;
-use crate::compare::pairs::{clustered_by, clusters};
+use crate::compare::pairs::clustered_by;
+use crate::compare::{clusters, pair};
 use crate::figures::{ClusteredAp, DetectorView, Scores};
 use scaleproof_core::ap::ApDefinition;
 use scaleproof_core::statistics::{Interval, interval_95};

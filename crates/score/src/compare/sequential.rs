@@ -2,10 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::compare::error::CompareError;
-use crate::compare::pairs::{Pair, some_pairs};
 use crate::compare::textures::others;
-use crate::compare::{Cell, LEVEL, MOST_HIT, pair};
+use crate::compare::{Cell, CompareError, LEVEL, MOST_HIT, Pair, pair, some_pairs};
 use crate::figures::{
     ClusteredBy, Compared, Comparison, Course, Decision, DetectorView, Effect, ScoredPhoto, Scores, Sequential,
     SequentialFinding, variants,

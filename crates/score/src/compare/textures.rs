@@ -2,9 +2,7 @@
 
 use crate::compare::decide::decide_among;
 use crate::compare::differences::compared;
-use crate::compare::error::CompareError;
-use crate::compare::pairs::some_pairs;
-use crate::compare::{pair, pairs};
+use crate::compare::{CompareError, pair, pairs, some_pairs};
 use crate::evaluated::EvaluatedDetector;
 use crate::figures::{Compared, Comparison, Control, DetectorView, ScoredPhoto, ScoredSet, Scores, variants};
 use scaleproof_core::ap::ApDefinition;

@@ -4,8 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::evaluated::{DetectionSource, EvaluatedDetector};
 use crate::figures::summary::thousandths;
-use crate::figures::thresholds::MATCH_IOU;
-use crate::figures::{NotScored, ScoredPhoto, Summary, identical_photos, is_control};
+use crate::figures::{MATCH_IOU, NotScored, ScoredPhoto, Summary, identical_photos, is_control};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::spelling;
 use scaleproof_core::statistics::FEWEST_CLUSTERS;

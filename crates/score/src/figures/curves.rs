@@ -2,8 +2,7 @@
 
 use serde::Serialize;
 
-use crate::figures::thresholds::MATCH_IOU;
-use crate::figures::{DetectorView, Rate, Scores, Summary};
+use crate::figures::{DetectorView, MATCH_IOU, Rate, Scores, Summary};
 use scaleproof_core::ap::Ranked;
 
 /// The curves of one detector on one variant, over all its photos.

@@ -1,8 +1,7 @@
 //! A detector's side of the photos of a run: its outcomes, and its boxes as average precision takes them.
 
 use crate::evaluated::EvaluatedDetector;
-use crate::figures::thresholds::MATCH_IOU;
-use crate::figures::{PhotoOutcome, ScoredPhoto};
+use crate::figures::{MATCH_IOU, PhotoOutcome, ScoredPhoto};
 use scaleproof_core::ap::{ApDefinition, ImageBoxes, Ranked};
 
 /// A detector of a run: its index, and its labels that count as the model.

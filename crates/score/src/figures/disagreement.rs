@@ -1,7 +1,6 @@
 //! Sentences on AP and hit rate that disagree: AP ranks weak detections too, a hit must be confident.
 
-use crate::figures::thresholds::MATCH_IOU;
-use crate::figures::{DetectorView, ScoredPhoto, Scores, Summary};
+use crate::figures::{DetectorView, MATCH_IOU, ScoredPhoto, Scores, Summary};
 use scaleproof_core::ap::{ApDefinition, average_precision_as};
 use scaleproof_core::spelling::digits;
 use scaleproof_detect::Detection;

@@ -4,8 +4,7 @@ use serde::Serialize;
 use statrs::distribution::{Binomial, Discrete};
 
 use crate::evaluated::EvaluatedDetector;
-use crate::figures::thresholds::MATCH_IOU;
-use crate::figures::{DetectorView, Rate, ScoredPhoto};
+use crate::figures::{DetectorView, MATCH_IOU, Rate, ScoredPhoto};
 
 /// Confidence below which detections are left out: there are up to a hundred a photo, nearly all wrong and known to be.
 pub const RELIABILITY_FLOOR: f64 = 0.1;

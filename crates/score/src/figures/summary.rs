@@ -6,8 +6,7 @@ use serde::Serialize;
 
 use crate::evaluated::EvaluatedDetector;
 use crate::figures::grouping::in_order;
-use crate::figures::thresholds::MATCH_IOU;
-use crate::figures::{DetectorView, GroupBy, PhotoOutcome, ScoredPhoto, variants};
+use crate::figures::{DetectorView, GroupBy, MATCH_IOU, PhotoOutcome, ScoredPhoto, variants};
 use scaleproof_core::ap::{ApDefinition, average_precision_as, over_ious};
 use scaleproof_core::statistics::{median, wilson_95};
 use scaleproof_pose::scene::{Bin, Bins};

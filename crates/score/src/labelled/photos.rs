@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use crate::labelled::error::LabelledError;
+use crate::labelled::LabelledError;
 use scaleproof_core::ap::{ApDefinition, ImageBoxes, Ranked, average_precision_as, ious, over_ious};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::{statistics, workers};

@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-use crate::labelled::error::LabelledError;
 use crate::labelled::feeding::feedings;
-use crate::labelled::photos::{Averages, LabelledPhotos, PhotoDetections};
+use crate::labelled::photos::PhotoDetections;
+use crate::labelled::{Averages, LabelledError, LabelledPhotos};
 use scaleproof_detect::Manifest;
 
 /// Least gain of a change that explains a difference, beyond the chance of the photos too.

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::figures::{Comparison, Course, Scores, identical_photos};
-use crate::plan::sealed::{Endpoint, SealedPlan};
+use crate::plan::{Endpoint, SealedPlan};
 use scaleproof_core::spelling::count;
 use scaleproof_plot::distinct;
 use scaleproof_pose::scene::Bin;

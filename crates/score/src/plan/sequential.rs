@@ -3,7 +3,8 @@
 use serde::Serialize;
 
 use crate::compare::LEVEL;
-use crate::plan::views_needed::{MOST_VIEWS, PLAN_EXPERIMENTS, PlanError, Question};
+use crate::plan::views_needed::MOST_VIEWS;
+use crate::plan::{PLAN_EXPERIMENTS, PlanError, Question};
 use scaleproof_core::statistics::{Sequence, Shown};
 
 /// Multiples of the planned drop that are simulated as the real one.

@@ -3,11 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use crate::figures::Scores;
-use crate::report::error::ReportError;
 use crate::report::json::coco;
-use crate::report::run::RunReport;
 use crate::report::stale::{Before, DEFENCES, PROTOCOL, ROBUSTNESS, SUMMARY, remove_stale, results_name};
-use crate::report::{charts, csv, html, json, latex};
+use crate::report::{ReportError, RunReport, charts, csv, html, json, latex};
 use scaleproof_core::files;
 use scaleproof_detect::{Speeds, coco_results};
 

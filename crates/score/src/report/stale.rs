@@ -4,9 +4,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use crate::report::charts;
-use crate::report::error::ReportError;
-use crate::report::run::RunReport;
+use crate::report::{ReportError, RunReport, charts};
 use scaleproof_core::files;
 use scaleproof_detect::Manifest;
 

@@ -6,8 +6,7 @@ use crate::compare::{compare_set, decide_families};
 use crate::error::ScoreError;
 use crate::figures::{Compared, PairedDifference, ScoredPhoto, ScoredSet, Scores, UNDEFENDED};
 use crate::observe::Options;
-use crate::robustness::changed_photo::Seen;
-use crate::robustness::condition::per_condition;
+use crate::robustness::{Seen, per_condition};
 use scaleproof_plot::distinct;
 
 /// Variant of unchanged photos where they stand for a texture: no texture is called so.

@@ -3,11 +3,8 @@
 use crate::error::ScoreError;
 use crate::figures::{CorruptedRow, PairedDifference, Robustness, Scores, Survival};
 use crate::observe::Options;
-use crate::robustness::SEVERITIES;
 use crate::robustness::changes::changes;
-use crate::robustness::condition::Condition;
-use crate::robustness::corrupt::Corruption;
-use crate::robustness::rerun::Rerun;
+use crate::robustness::{Condition, Corruption, Rerun, SEVERITIES};
 use scaleproof_plot::distinct;
 
 /// Runs the detectors on every photo of a run again, at each severity of each of these corruptions, and compares the variants with the base, and with

@@ -4,8 +4,7 @@ use crate::error::ScoreError;
 use crate::figures::{DefenceCard, Defences, DefendedRow, PairedDifference, Scores, UNDEFENDED};
 use crate::observe::Options;
 use crate::robustness::changes::changes;
-use crate::robustness::condition::{Condition, Defending};
-use crate::robustness::rerun::Rerun;
+use crate::robustness::{Condition, Defending, Rerun};
 
 /// Runs the detectors on every photo of a run again, under each of these defences, and compares the variants as [`crate::robustness::corrupted::under_corruption`] does.
 /// `None` where no photos pair.

@@ -5,8 +5,8 @@ use crate::error::ScoreError;
 use crate::evaluated::runtime;
 use crate::figures::{PairedDifference, ScoredPhoto, ScoredSet, Scores, is_control};
 use crate::observe::{Observer, Options};
-use crate::robustness::changed_photo::{Seen, detect_under};
-use crate::robustness::condition::{Condition, per_condition};
+use crate::robustness::changed_photo::detect_under;
+use crate::robustness::{Condition, Seen, per_condition};
 use scaleproof_core::workers;
 use scaleproof_plot::distinct;
 

@@ -2,9 +2,8 @@
 
 use crate::figures::{Comparison, Scores};
 use crate::report::charts::{colours, curves, drops, heat, intervals, polar, reliability, robustness, speed};
-use crate::report::error::ReportError;
-use crate::report::run::RunReport;
 use crate::report::words::certainty;
+use crate::report::{ReportError, RunReport};
 use scaleproof_plot::{Drawing, Explained, figure};
 
 /// Name of the chart that a report has only when something is compared.

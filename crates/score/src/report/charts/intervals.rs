@@ -1,10 +1,9 @@
 //! Chart of the drop of the mean confidence of each detector: a dot and a whisker for each texture.
 
 use crate::figures::{Compared, Scores};
+use crate::report::Findings;
 use crate::report::charts::colours::colour;
-use crate::report::findings::Findings;
-use crate::report::words::numbers::number;
-use crate::report::words::paired;
+use crate::report::words::{number, paired};
 use scaleproof_plot::Anchor::{End, Middle, Start};
 use scaleproof_plot::{BLACK, Colour, Drawing, FAINT, INK, Mark, NOTE, WHITE, distinct};
 

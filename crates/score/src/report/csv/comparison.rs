@@ -4,8 +4,8 @@
 use serde_json::json;
 
 use crate::figures::{Compared, Comparison, Control, Difference, Scores};
+use crate::report::ReportError;
 use crate::report::csv::rows::{Row, csv_of};
-use crate::report::error::ReportError;
 use crate::report::words::counted;
 
 pub fn render(scores: &Scores, comparison: &Comparison) -> Result<String, ReportError> {

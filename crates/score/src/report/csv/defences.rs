@@ -3,9 +3,9 @@
 use serde_json::json;
 
 use crate::figures::{Defences, Scores};
+use crate::report::ReportError;
 use crate::report::csv::paired_columns::columns;
 use crate::report::csv::rows::csv_of;
-use crate::report::error::ReportError;
 
 /// Returns `defences.csv`.
 pub(crate) fn csv(scores: &Scores, defences: &Defences) -> Result<String, ReportError> {

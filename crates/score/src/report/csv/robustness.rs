@@ -3,9 +3,9 @@
 use serde_json::json;
 
 use crate::figures::{Robustness, Scores};
+use crate::report::ReportError;
 use crate::report::csv::paired_columns::columns;
 use crate::report::csv::rows::csv_of;
-use crate::report::error::ReportError;
 
 pub(crate) fn csv(scores: &Scores, robustness: &Robustness) -> Result<String, ReportError> {
     let rows = [("drop", &robustness.rows), ("change", &robustness.changes)];

@@ -5,11 +5,10 @@ use maud::{Markup, PreEscaped, html};
 use crate::compare::comparison_definitions;
 use crate::figures::{Compared, Comparison, PlanCheck, Scores};
 use crate::report::charts::drops::{FIGURES, forest};
-use crate::report::findings::Findings;
 use crate::report::html::page::{SCRIPT, Section, lead, shell};
 use crate::report::html::{first, looks, notes, pairs};
-use crate::report::tables;
 use crate::report::words::paired;
+use crate::report::{Findings, tables};
 
 pub fn render(scores: &Scores, comparison: &Comparison) -> String {
     let findings = Findings::of_comparison(scores, comparison);

@@ -7,9 +7,7 @@ use maud::{Markup, PreEscaped, html};
 use crate::evaluated::EvaluatedDetector;
 use crate::figures::{ScoredPhoto, Scores};
 use crate::report::html::filters;
-use crate::report::words::counted::other_label;
-use crate::report::words::direction::side;
-use crate::report::words::numbers::number;
+use crate::report::words::{number, other_label, side};
 use scaleproof_detect::Detection;
 
 /// Largest number of photos that are shown: with more the page would be too large to open.

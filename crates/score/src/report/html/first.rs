@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use crate::figures::{Compared, ScoredPhoto};
-use crate::report::findings::Findings;
+use crate::report::Findings;
 use crate::report::html::{contact, intervals, strip};
 use crate::report::table::Table;
 use crate::report::words::{paired, verdict};

@@ -2,8 +2,8 @@
 
 use maud::{Markup, html};
 
+use crate::report::Findings;
 use crate::report::charts::intervals::{MARKS, chart, colour_of, textures};
-use crate::report::findings::Findings;
 
 /// Renders the chart with its legend.
 pub(crate) fn figure(findings: Findings) -> Markup {

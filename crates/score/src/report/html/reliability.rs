@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use crate::figures::{RELIABILITY_FLOOR, Reliability, Scores, reliability};
 use crate::report::charts::reliability::charts;
 use crate::report::html::parts::small_charts;
-use crate::report::words::numbers::number;
+use crate::report::words::number;
 use scaleproof_core::spelling;
 
 /// Number of detections below which the error says little.

@@ -3,11 +3,11 @@
 use maud::{PreEscaped, html};
 
 use crate::figures::Scores;
+use crate::report::RunReport;
 use crate::report::html::page::{SCRIPT, Section, lead, shell};
 use crate::report::html::{
     contact, curves, defences, first, heat, misses, notes, patterns, polar, ranking, reliability, robustness, speed,
 };
-use crate::report::run::RunReport;
 use crate::report::table::Table;
 use scaleproof_detect::Speeds;
 

@@ -3,9 +3,8 @@
 use maud::{Markup, html};
 
 use crate::report::charts::shade::{ink, shade};
-use crate::report::table::model::Side;
-use crate::report::table::{Cell, Table, Value};
-use crate::report::words::numbers::number;
+use crate::report::table::{Cell, Side, Table, Value};
+use crate::report::words::number;
 
 /// Number of letters above which a remark stands below its value.
 const LONG: usize = 12;

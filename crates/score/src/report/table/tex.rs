@@ -1,8 +1,7 @@
 //! A table as a `tabular` in booktabs' style.
 
 use crate::report::latex::markup::{escaped, number, row, tabular};
-use crate::report::table::model::Side;
-use crate::report::table::{Cell, Table, Value};
+use crate::report::table::{Cell, Side, Table, Value};
 
 impl Table {
     /// Returns the `tabular` alone, without caption and notes.

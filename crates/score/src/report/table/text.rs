@@ -1,7 +1,6 @@
 //! A table in lines of plain text.
 
-use crate::report::table::model::Side;
-use crate::report::table::{Cell, Table, Value};
+use crate::report::table::{Cell, Side, Table, Value};
 
 /// Number of columns that a screen always has.
 const FEWEST: usize = 4;

@@ -2,7 +2,7 @@
 
 use crate::compare::MOST_HIT;
 use crate::figures::{Compared, Effect, Scores, Summary};
-use crate::report::findings::Findings;
+use crate::report::Findings;
 use crate::report::table::{Cell, Column, Table, Value};
 use crate::report::words::paired;
 use scaleproof_core::spelling::{self, digits};

@@ -2,8 +2,8 @@
 
 use crate::figures::{Course, Decision, Scores, Sequential};
 use crate::report::table::{Cell, Column, Table};
-use crate::report::words::looks::{figures, found, p_of, repeats, rounds, unit};
-use crate::report::words::paired::briefly;
+use crate::report::words::looks::{found, p_of, repeats, rounds};
+use crate::report::words::{briefly, figures, unit};
 
 /// Returns two rows for each detector and texture: the findings on the confidence and on the hits so far, and the look after which they were shown.
 pub(crate) fn looks(scores: &Scores, sequential: &Sequential) -> Table {

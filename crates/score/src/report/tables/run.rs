@@ -1,6 +1,6 @@
 //! All tables of a run's report.
 
-use crate::report::findings::Findings;
+use crate::report::Findings;
 use crate::report::table::Table;
 use crate::report::tables::{
     conditions, defended, effects, figures, figures_of_screen, order, outcomes, papers, protocol, survival, taken,

@@ -1,10 +1,9 @@
 //! A comparison for the terminal.
 
 use crate::figures::{Compared, Comparison, Difference, Scores};
-use crate::report::findings::Findings;
-use crate::report::tables;
 use crate::report::text::screen::on_screen;
 use crate::report::words::{certainty, counted, paired, paper, verdict};
+use crate::report::{Findings, tables};
 use scaleproof_core::spelling::digits;
 
 /// Returns a comparison for the terminal: deviations from its plan; a sentence on the findings for each texture, and what they rest on; a line for

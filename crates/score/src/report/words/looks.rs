@@ -1,8 +1,7 @@
 //! A sequential comparison in words.
 
 use crate::figures::{ClusteredBy, Course, Decision, Scores, Sequential, SequentialFinding};
-use crate::report::words::numbers::p_value;
-use crate::report::words::paired::briefly;
+use crate::report::words::{briefly, p_value};
 use scaleproof_core::spelling;
 
 /// Evidence from which a drop is shown, as a base-10 logarithm (a factor of 40).

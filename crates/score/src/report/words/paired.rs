@@ -1,7 +1,7 @@
 //! Sentences about the drop on paired photos: they stand beside every drop.
 
 use crate::figures::{BASE_VARIANT, Compared, Difference, Effect, Finding, PlanCheck};
-use crate::report::words::numbers::p_value;
+use crate::report::words::p_value;
 use scaleproof_core::spelling::{self, digits};
 use scaleproof_core::statistics::Interval;
 
