@@ -30,12 +30,12 @@ pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<
     if let Some((defences, tables)) = scores.defences.as_ref().zip(report.tables.defended.as_ref()) {
         let [csv, tex] = DEFENCES.map(str::to_owned);
         contents.extend([
-            (csv, csv::defences::csv(scores, defences)?),
+            (csv, csv::robustness::defences(scores, defences)?),
             (tex, latex::defences::tex(scores, defences, tables)),
         ]);
     }
     if let Some(robustness) = &scores.robustness {
-        contents.push((ROBUSTNESS.to_owned(), csv::robustness::csv(scores, robustness)?));
+        contents.push((ROBUSTNESS.to_owned(), csv::robustness::robustness(scores, robustness)?));
     }
     let categories = coco::Categories::from_scores(scores);
     for (index, detector) in scores.detectors.iter().enumerate() {

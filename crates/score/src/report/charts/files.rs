@@ -18,12 +18,7 @@ const ROBUSTNESS: &str = "robustness";
 pub(crate) type File = (String, Vec<u8>);
 
 pub(crate) fn of_run(report: &RunReport) -> Result<Vec<File>, ReportError> {
-    let RunReport {
-        scores,
-        findings,
-        speeds,
-        ..
-    } = *report;
+    let (scores, findings, speeds) = (report.scores, report.findings, report.speeds);
     let textures = || colours::legend(scores);
     let (found, precision_recall): (Vec<_>, Vec<_>) = curves::charts(scores)
         .into_iter()

@@ -43,9 +43,7 @@ pub(crate) fn colour_of(scores: &Scores, texture: &str) -> Colour {
 
 /// Draws a row for each detector, and in it a line for each texture.
 pub(crate) fn chart(findings: Findings) -> Drawing {
-    let Findings {
-        scores, results, base, ..
-    } = findings;
+    let (scores, results, base) = (findings.scores, findings.results, findings.base);
     let textures = textures(results);
     let row = LINE * textures.len() as f64 + GAP;
     let height = row * scores.detectors.len() as f64;

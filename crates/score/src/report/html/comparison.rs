@@ -6,7 +6,7 @@ use crate::compare::comparison_definitions;
 use crate::figures::{Compared, Comparison, PlanCheck, Scores};
 use crate::report::charts::drops::{FIGURES, forest};
 use crate::report::html::page::{SCRIPT, Section, lead, shell};
-use crate::report::html::{first, looks, notes, pairs};
+use crate::report::html::{charts, first, notes, pairs};
 use crate::report::words::paired;
 use crate::report::{Findings, tables};
 
@@ -18,7 +18,7 @@ pub fn render(scores: &Scores, comparison: &Comparison) -> String {
     let tail = html! { (first::library(findings, photos)) (script) };
     let first = html! { @if let Some(check) = &comparison.plan { (plan(check)) } (first::screen(findings, &tables::effects(findings))) };
     let open = [
-        ("looks", "However often one looks", looks::section(scores, comparison)),
+        ("looks", "However often one looks", charts::looks(scores, comparison)),
         ("pairs", "Photos side by side", pairs::section(scores, comparison)),
     ];
     let method = notes::method(findings);

@@ -9,9 +9,7 @@ use scaleproof_core::spelling::{self, digits};
 
 /// Returns a row for each detector and texture: the effect, the mean confidence and hits of the base and of the texture.
 pub(crate) fn effects(findings: Findings) -> Table {
-    let Findings {
-        scores, results, base, ..
-    } = findings;
+    let (scores, results, base) = (findings.scores, findings.results, findings.base);
     let mut table = Table::new(
         &format!("Textures against {}", paired::named_base(base)),
         vec![

@@ -46,6 +46,15 @@ impl RunTables {
         }
     }
 
+    /// Returns the effects; the brief figures where nothing is compared.
+    pub fn main(&self, findings: Findings) -> &Table {
+        if findings.results.is_empty() {
+            &self.brief
+        } else {
+            &self.effects
+        }
+    }
+
     /// Returns the tables that a run has only on request.
     pub fn on_request(&self) -> impl Iterator<Item = &Table> {
         let first = self.conditions.iter().chain(&self.protocol).chain(&self.survival);

@@ -12,11 +12,7 @@ pub fn summary_table(scores: &Scores) -> String {
     let mut lines = verdict::sentences(findings);
     lines.extend(verdict::basis(findings));
     lines.extend(Some(String::new()).filter(|_| !lines.is_empty()));
-    lines.extend(on_screen(if findings.results.is_empty() {
-        &tables.brief
-    } else {
-        &tables.effects
-    }));
+    lines.extend(on_screen(tables.main(findings)));
     for table in tables.on_request() {
         lines.push(String::new());
         lines.extend(table.described());
