@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::compare::control::hold_back;
+use crate::compare::control::withhold;
 use crate::compare::detectable::drop_shown_from;
 use crate::figures::{Compared, Comparison, Effect, Finding, InPlacesLikeThese, PairedView, Sums};
 use scaleproof_core::statistics::{shares, sign_flip_p, smallest_sign_flip_p};
@@ -32,7 +32,7 @@ pub(crate) fn decide_among(comparison: &mut Comparison, is_tested: impl Fn(&str)
     let families = families.filter(|family: &Vec<_>| !family.is_empty()).collect();
     decide_families(families, LEAST_SEEN);
     if let Some(control) = &comparison.control {
-        hold_back(&mut comparison.results, control);
+        withhold(&mut comparison.results, control);
     }
 }
 

@@ -69,7 +69,7 @@ fn is_texture(scores: &Scores, base: &str, variant: &str) -> bool {
     variant != base && scores.control.as_deref() != Some(variant)
 }
 
-/// Compares these variants with `base` by intervals alone: nothing is tested until [`decide`].
+/// Compares these variants with `base` by intervals alone: nothing is tested until [`decide`](crate::decide).
 pub fn compare_with(
     scores: &Scores,
     base: &str,

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::figures::Scores;
 use crate::report::json::coco;
-use crate::report::stale::{Before, DEFENCES, PROTOCOL, ROBUSTNESS, SUMMARY, remove_stale, results_name};
+use crate::report::stale::{DEFENCES, EarlierReport, PROTOCOL, ROBUSTNESS, SUMMARY, remove_stale, results_name};
 use crate::report::{ReportError, RunReport, charts, csv, html, json, latex};
 use scaleproof_core::files;
 use scaleproof_detect::{Speeds, coco_results};
@@ -49,7 +49,7 @@ pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<
         .map(|(name, text)| (name, text.into_bytes()))
         .chain(figures);
     let files: Vec<_> = contents.map(|(name, content)| (folder.join(name), content)).collect();
-    let before = Before::in_folder(folder);
+    let before = EarlierReport::in_folder(folder);
     files::replace_all_atomically(folder, &files)?;
     remove_stale(folder, &before, &report)?;
     Ok(folder.join("report.html"))

@@ -6,7 +6,7 @@ use crate::compare::{compare_set, decide_families};
 use crate::error::ScoreError;
 use crate::figures::{Compared, PairedDifference, ScoredPhoto, ScoredSet, Scores, UNDEFENDED};
 use crate::observe::Options;
-use crate::robustness::{Seen, per_condition};
+use crate::robustness::{PhotoUnderConditions, per_condition};
 use scaleproof_plot::distinct;
 
 /// Variant of unchanged photos where they stand for a texture: no texture is called so.
@@ -16,7 +16,7 @@ const UNCHANGED: &str = "\u{1}";
 /// detector and variant are tested together.
 pub(crate) fn changes(
     scores: &Scores,
-    photos: &[Seen],
+    photos: &[PhotoUnderConditions],
     conditions: usize,
     options: &Options,
 ) -> Result<Vec<Vec<PairedDifference>>, ScoreError> {
@@ -44,7 +44,7 @@ fn families(all: &mut [Vec<Compared>]) -> impl Iterator<Item = Vec<&mut Compared
 }
 
 /// Compares photos under one condition. A photo pairs with itself: both sides have the same photos in the same order.
-fn compared(scores: &Scores, photos: &[Seen], at: usize) -> Vec<Compared> {
+fn compared(scores: &Scores, photos: &[PhotoUnderConditions], at: usize) -> Vec<Compared> {
     if at == 0 {
         return Vec::new();
     }

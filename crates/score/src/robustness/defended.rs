@@ -6,7 +6,7 @@ use crate::observe::Options;
 use crate::robustness::changes::changes;
 use crate::robustness::{Condition, Defending, Rerun};
 
-/// Runs the detectors on every photo of a run again, under each of these defences, and compares the variants as [`crate::robustness::corrupted::under_corruption`] does.
+/// Runs the detectors on every photo of a run again, under each of these defences, and compares the variants as [`crate::under_corruption`] does.
 /// `None` where no photos pair.
 pub fn under_defences(
     scores: &Scores,

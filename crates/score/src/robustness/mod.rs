@@ -10,7 +10,7 @@ pub mod defended; // comparisons under every defence
 pub mod joined; // detections of several crops of one photo
 pub mod rerun; // the detectors once more, on changed photos
 
-pub(crate) use changed_photo::Seen;
+pub(crate) use changed_photo::PhotoUnderConditions;
 pub use check::check_changeable;
 pub use condition::Defending;
 pub(crate) use condition::{Condition, per_condition};

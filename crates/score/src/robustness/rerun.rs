@@ -6,14 +6,14 @@ use crate::evaluated::runtime;
 use crate::figures::{PairedDifference, ScoredPhoto, ScoredSet, Scores, is_control};
 use crate::observe::{Observer, Options};
 use crate::robustness::changed_photo::detect_under;
-use crate::robustness::{Condition, Seen, per_condition};
+use crate::robustness::{Condition, PhotoUnderConditions, per_condition};
 use scaleproof_core::workers;
 use scaleproof_plot::distinct;
 
 /// Photos of a run under some conditions, and its comparisons there. The first condition is no more than reduced.
 pub(crate) struct Rerun {
     pub conditions: Vec<Condition>,
-    pub photos: Vec<Seen>,
+    pub photos: Vec<PhotoUnderConditions>,
     pub differences: Vec<Vec<PairedDifference>>,
 }
 
@@ -67,7 +67,7 @@ fn detect_all(
     conditions: &[Condition],
     options: &Options,
     on_photo: impl Fn() + Sync,
-) -> Result<Vec<Seen>, ScoreError> {
+) -> Result<Vec<PhotoUnderConditions>, ScoreError> {
     let (detectors, cache) = (&scores.detectors, options.cache.as_ref());
     let runtime = runtime(detectors)?;
     workers::map_over(
@@ -83,7 +83,7 @@ fn detect_all(
 pub(crate) fn differences(
     scores: &Scores,
     compared: &[(&str, &str)],
-    photos: &[Seen],
+    photos: &[PhotoUnderConditions],
     at: usize,
 ) -> Vec<PairedDifference> {
     let own = photos.iter().filter_map(|photo| photo[at].as_ref().ok().cloned());

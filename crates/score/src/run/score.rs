@@ -8,7 +8,7 @@ use crate::evaluated::{EvaluatedDetector, runtime};
 use crate::figures::{Criteria, NotScored, PhotoOutcome, ScoredPhoto, Scores, TagMark};
 use crate::observe::{NotScoredReason, Observation, Observer, Options, PlacedModel, ScoringJob, place};
 use crate::run::contradicted;
-use crate::run::contradicted::Judged;
+use crate::run::contradicted::JudgedPhoto;
 use crate::run::shard::{ShardId, ShardObservations};
 use scaleproof_core::message::{bail, message};
 use scaleproof_core::workers;
@@ -157,9 +157,9 @@ fn judge(
     job: &ScoringJob,
     detectors: &[EvaluatedDetector],
     seen: Result<(Observation, PlacedModel), NotScored>,
-) -> Judged {
+) -> JudgedPhoto {
     let looked = seen.as_ref().ok();
-    Judged {
+    JudgedPhoto {
         contradiction: looked.and_then(|(observation, _)| contradicted::contradiction(job, observation)),
         photo: seen.map(|(observation, place)| scored(job, detectors, observation, place)),
     }

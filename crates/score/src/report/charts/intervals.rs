@@ -100,7 +100,7 @@ fn line(scores: &Scores, r: &Compared, base: &str, y: f64, x: &dyn Fn(f64) -> f6
         .interval_95
         .map(|i| Mark::line([x(i.low), y], [x(i.high), y], colour).outlined(colour, 2.0));
     let dot = Mark::circle([x(d.drop), y], 4.6).filled(dot_fill).outlined(colour, 1.8);
-    let words = paired::in_words(r, base);
+    let words = paired::effect_sentence(r, base);
     let title = format!(
         "{}, {}: drop {}; {words}",
         scores.title(&r.detector),
@@ -109,7 +109,13 @@ fn line(scores: &Scores, r: &Compared, base: &str, y: f64, x: &dyn Fn(f64) -> f6
     );
     [
         Mark::group([0.0; 2], whisker.into_iter().chain([dot]).collect()).titled(title),
-        Mark::text([LEFT + PLOT + 12.0, y + 4.0], 11.5, Start, word_colour, paired::word(r)),
+        Mark::text(
+            [LEFT + PLOT + 12.0, y + 4.0],
+            11.5,
+            Start,
+            word_colour,
+            paired::effect_word(r),
+        ),
     ]
 }
 

@@ -13,7 +13,10 @@ const STRIP: usize = 8;
 pub(crate) fn cards(scores: &Scores) -> Option<Markup> {
     let variants = scores.variants();
     let textures = || variants.iter().filter(|v| **v != scores.base);
-    let unknown: Vec<&str> = textures().filter(|v| of(scores, v).is_none()).copied().collect();
+    let unknown: Vec<&str> = textures()
+        .filter(|v| pattern_of(scores, v).is_none())
+        .copied()
+        .collect();
     textures().next()?;
     Some(html! {
         @if !scores.patterns.is_empty() {
@@ -33,7 +36,7 @@ pub(crate) fn strips(scores: &Scores, textures: &[String]) -> Markup {
     html! {
         @for texture in textures {
             h3 { (texture) }
-            @if let Some(pattern) = of(scores, texture) { div.patterns { figure { (image(pattern)) figcaption { (facts(pattern)) "." (hash(pattern)) } } } }
+            @if let Some(pattern) = pattern_of(scores, texture) { div.patterns { figure { (image(pattern)) figcaption { (facts(pattern)) "." (hash(pattern)) } } } }
             div.strip {
                 @for photo in spread(scores, texture) {
                     img alt=(photo.file) title=(photo.file) src=(format!("data:image/jpeg;base64,{}", STANDARD.encode(&photo.preview_jpeg)));
@@ -44,7 +47,7 @@ pub(crate) fn strips(scores: &Scores, textures: &[String]) -> Markup {
     }
 }
 
-fn of<'a>(scores: &'a Scores, variant: &str) -> Option<&'a TexturePattern> {
+fn pattern_of<'a>(scores: &'a Scores, variant: &str) -> Option<&'a TexturePattern> {
     scores.patterns.iter().find(|p| p.variant == variant)
 }
 

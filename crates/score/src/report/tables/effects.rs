@@ -45,7 +45,7 @@ fn row(scores: &Scores, r: &Compared) -> Vec<Cell> {
         Cell::text(if scores.control.as_ref() == Some(&r.variant) {
             "the control"
         } else {
-            paired::word(r)
+            paired::effect_word(r)
         })
         .strong(r.effect().is_shown())
         .with_remark(remark(r)),

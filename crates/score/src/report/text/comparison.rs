@@ -37,7 +37,7 @@ pub fn further_comparison(scores: &Scores, comparison: &Comparison) -> String {
         let head = format!("{}: {} → {}", r.detector, comparison.base, r.variant);
         let words = match &comparison.control {
             Some(control) if control.variant == r.variant => "the control".to_owned(),
-            _ => paired::in_words(r, &comparison.base),
+            _ => paired::effect_sentence(r, &comparison.base),
         };
         lines.push(format!("{head}, {}: {words}", paired::basis(r)));
         lines.push(line("mean confidence", r, &r.mean_confidence));

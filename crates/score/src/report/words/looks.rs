@@ -19,7 +19,7 @@ pub(crate) fn unit(sequential: &Sequential) -> &'static str {
 pub fn standing(sequential: &Sequential) -> String {
     let each = sequential.results.iter().map(|course| {
         let (word, confidence) = (briefly(course.effect), &course.mean_confidence);
-        let found = found(confidence, sequential, course.looks);
+        let found = finding_words(confidence, sequential, course.looks);
         format!("{}: {word} ({found}, p {})", course.detector, p_of(confidence))
     });
     each.collect::<Vec<_>>().join("; ")
@@ -48,7 +48,7 @@ pub(crate) fn figures(course: &Course) -> [(&'static str, &Decision); 2] {
 }
 
 /// Returns a finding with its looks: `a drop, shown after 7 of 24 pairs`.
-pub(crate) fn found(decision: &Decision, sequential: &Sequential, looks: usize) -> String {
+pub(crate) fn finding_words(decision: &Decision, sequential: &Sequential, looks: usize) -> String {
     let what = match decision.finding {
         SequentialFinding::Drop => "a drop".to_owned(),
         SequentialFinding::Rise => "a rise".to_owned(),
