@@ -11,7 +11,7 @@ use rand_pcg::Pcg64Mcg;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::statistics::intervals_95;
 use scaleproof_detect::Detection;
-use scaleproof_score::{Protocol, apricot_ap, rates_as_armory};
+use scaleproof_score::{Protocol, Thresholds, apricot_ap, rates_as_armory};
 use serde_json::Value;
 
 fn run(command: &str, session: &Path, out: &Path, more: &[&str]) -> Output {
@@ -189,7 +189,7 @@ fn armory_s_published_case() {
         (0.5, 0.75, [third, 0.0, 2.0 * third], 0),
         (0.5, 0.85, [0.0, 0.0, 1.0], 0),
     ] {
-        let found = rates_as_armory(&truths, &detections, (iou, confidence));
+        let found = rates_as_armory(&truths, &detections, Thresholds { confidence, iou });
         let rates = [found.true_positive, found.misclassification, found.disappearance];
         for (found, wanted) in rates.iter().zip(wanted) {
             assert!(

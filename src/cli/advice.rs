@@ -12,7 +12,6 @@ use scaleproof_print::paint::PaintError;
 use scaleproof_print::tags::{Instead, TagPrintError};
 use scaleproof_print::template::TemplateError;
 use scaleproof_print::wrap::WrapError;
-use scaleproof_score::shard::ShardError;
 use scaleproof_score::{CompareError, ScoreError};
 use scaleproof_surface::mesh::MeshError;
 use scaleproof_surface::pattern::PatternError;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::Result;
 use scaleproof_print::printer::PrinterFile;
-use scaleproof_score::WornPattern;
+use scaleproof_score::TexturePattern;
 use scaleproof_session::Session;
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::card::{CardError, tile_mm};
@@ -26,7 +26,7 @@ pub(super) struct Patterns {
 }
 
 impl Patterns {
-    pub(super) fn of(&self, sessions: &[Session]) -> Result<Vec<WornPattern>> {
+    pub(super) fn of(&self, sessions: &[Session]) -> Result<Vec<TexturePattern>> {
         let photos = sessions.iter().flat_map(|s| &s.photos);
         let variants: BTreeSet<&str> = photos.map(|p| p.variant.as_str()).collect();
         let colours = |path: &PathBuf| -> Result<_> {
@@ -52,7 +52,7 @@ impl Patterns {
             let print_delta_e = colours
                 .as_ref()
                 .map(|colours| fate(&pattern, colours).printed_delta_e_mean);
-            worn.push(WornPattern {
+            worn.push(TexturePattern {
                 print_delta_e,
                 ..shown(variant, path, &pattern, tile_mm)?
             });
@@ -70,8 +70,8 @@ pub(super) fn named(text: &str) -> std::result::Result<(&str, &Path), String> {
 }
 
 /// A pattern that no print is known of.
-pub(super) fn shown(variant: &str, path: &Path, pattern: &Pattern, tile_mm: Option<f64>) -> Result<WornPattern> {
-    Ok(WornPattern {
+pub(super) fn shown(variant: &str, path: &Path, pattern: &Pattern, tile_mm: Option<f64>) -> Result<TexturePattern> {
+    Ok(TexturePattern {
         variant: variant.to_owned(),
         file: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         sha256: pattern.sha256().to_owned(),

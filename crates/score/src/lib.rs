@@ -36,11 +36,11 @@ pub use evaluated::{DetectionSource, EvaluatedDetector, EvaluatedDetectorError, 
 pub use figures::{
     AppliedSettings, Asr, BASE_LOST, BASE_VARIANT, BinFigures, CellFigures, ClusteredBy, Compared, Comparison,
     ConditionFigures, ConfidenceBin, Control, CorruptedRow, Course, Criteria, Curves, Decision, DefenceCard, Defences,
-    DefendedRow, Difference, Drop, Effect, Figures, Finding, GroupBy, HIT_CONFIDENCE, Held, HitRateFrom,
-    InPlacesLikeThese, MATCH_IOU, NotScored, PhotoOutcome, PlanCheck, Protocol, ProtocolTable, RELIABILITY_FLOOR,
+    DefendedRow, Difference, Drop, Effect, Figures, Finding, GroupBy, HIT_CONFIDENCE, HitRateFrom, InPlacesLikeThese,
+    MATCH_IOU, NotScored, PairedDifference, PhotoOutcome, PlanCheck, Protocol, ProtocolTable, RELIABILITY_FLOOR,
     Ranking, RankingFinding, RankingRow, Rate, Reliability, Robustness, ScoredPhoto, Scores, Sequential,
-    SequentialFinding, Settings, Summary, Survival, TagMark, Thresholds, TransferDrop, TransferRow, UNDEFENDED,
-    Verdict, WornPattern, apricot_ap, curves, disagreements, protocol_table, rates_as_armory, reliability, transfer,
+    SequentialFinding, Settings, Summary, Survival, TagMark, TexturePattern, Thresholds, TransferDrop, TransferRow,
+    UNDEFENDED, Verdict, apricot_ap, curves, disagreements, protocol_table, rates_as_armory, reliability, transfer,
 };
 pub use labelled::{Averages, LEAST_GAIN, LabelledError, LabelledPhotos, Trial, Trials, labelled_photos, trials};
 pub use observe::{Cache, NotScoredReason, Options};

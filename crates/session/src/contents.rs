@@ -10,7 +10,7 @@ use scaleproof_photo::PhotoError;
 use scaleproof_pose::scene::{Classes, Scene, TagFamily};
 
 /// Result of reading a photo: the SHA-256 of its file in hex, or why it cannot be read.
-pub type Look = Result<String, PhotoError>;
+pub type PhotoRead = Result<String, PhotoError>;
 
 /// Maximum number of listed groups of photos; the rest is counted.
 const MOST_GROUPS: usize = 16;
@@ -95,8 +95,8 @@ pub struct UnreadablePhoto {
 }
 
 impl Contents {
-    /// Summarises a session; `looks` are the results of reading its photos, in its order.
-    pub fn of(session: &Session, looks: &[Look]) -> Contents {
+    /// Summarises a session; `reads` are the results of reading its photos, in its order.
+    pub fn of(session: &Session, reads: &[PhotoRead]) -> Contents {
         let mut groups: BTreeMap<(&str, Option<&str>), usize> = BTreeMap::new();
         for photo in &session.photos {
             *groups.entry((&photo.variant, photo.place.as_deref())).or_default() += 1;
@@ -106,8 +106,8 @@ impl Contents {
             place: place.map(str::to_owned),
             photos,
         };
-        let unreadable = session.photos.iter().zip(looks).filter_map(|(photo, look)| {
-            let reason = look.as_ref().err()?.to_string();
+        let unreadable = session.photos.iter().zip(reads).filter_map(|(photo, read)| {
+            let reason = read.as_ref().err()?.to_string();
             let file = photo.file.clone();
             Some(UnreadablePhoto { file, reason })
         });
@@ -213,10 +213,10 @@ fn list(values: &[f64]) -> String {
 }
 
 /// Returns a sentence about photos that are byte-for-byte copies, if there are any.
-pub fn copies(session: &Session, looks: &[Look]) -> Option<String> {
+pub fn copies(session: &Session, reads: &[PhotoRead]) -> Option<String> {
     let mut seen = BTreeSet::new();
-    let looked = session.photos.iter().zip(looks);
-    let mut copies = looked.filter(|(_, look)| look.as_ref().is_ok_and(|hash| !seen.insert(hash)));
+    let looked = session.photos.iter().zip(reads);
+    let mut copies = looked.filter(|(_, read)| read.as_ref().is_ok_and(|hash| !seen.insert(hash)));
     let (first, _) = copies.next()?;
     Some(format!(
         "{} (the first: {})",

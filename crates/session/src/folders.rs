@@ -77,7 +77,7 @@ pub fn gather(folders: &[PhotoFolder], scene: &Path, camera: &Path, place: &str)
             ..PhotoEntry::default()
         }));
     }
-    let mut session = Session::assembled(&common, &common, (scene, Some(camera)), photos, Vec::new())?;
+    let mut session = Session::assembled(&common, &common, scene, Some(camera), photos, Vec::new())?;
     if session.name.is_empty() {
         "photos".clone_into(&mut session.name);
     }

@@ -76,11 +76,11 @@ impl SessionFile {
 
 /// Returns the error of a `session.json` that cannot be parsed.
 pub(crate) fn syntax(path: &Path, e: &serde_json::Error) -> FileError {
-    FileError::syntax(path, e.line(), words(e, "a session"))
+    FileError::syntax(path, e.line(), parse_message(e, "a session"))
 }
 
 /// Returns the message of a parser without its place.
-pub(crate) fn words(e: &serde_json::Error, what: &str) -> String {
+pub(crate) fn parse_message(e: &serde_json::Error, what: &str) -> String {
     let text = e.to_string();
     match text.split(" at line ").next().unwrap_or(&text) {
         // serde's own message for a list in place of an object.

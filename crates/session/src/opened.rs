@@ -50,7 +50,7 @@ impl Session {
         let file: SessionFile = serde_json::from_str(text).map_err(|e| syntax(path, &e))?;
         let (scene, camera) = (folder.join(&file.scene), file.camera.map(|camera| folder.join(camera)));
         let hash = (files::name_of(path), files::sha256_hex(text.as_bytes()));
-        let session = Session::assembled(path, &folder, (&scene, camera.as_deref()), file.photos, vec![hash])?;
+        let session = Session::assembled(path, &folder, &scene, camera.as_deref(), file.photos, vec![hash])?;
         let rendered = file.rendered;
         Ok(Session { rendered, ..session })
     }
@@ -59,7 +59,8 @@ impl Session {
     pub(crate) fn assembled(
         path: &Path,
         folder: &Path,
-        (scene_path, camera_path): (&Path, Option<&Path>),
+        scene_path: &Path,
+        camera_path: Option<&Path>,
         photos: Vec<PhotoEntry>,
         mut hashes: Vec<(String, String)>,
     ) -> Result<Session, SessionError> {

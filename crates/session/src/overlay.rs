@@ -47,7 +47,8 @@ pub fn write(
         overlay.model(scene, outline, &located.pose, &fitted.camera);
     }
     for tag in &examined.seen {
-        overlay.tag(tag, fate(tag, examined, scene));
+        let (colour, text) = mark(tag, examined, scene);
+        overlay.tag(tag, colour, &text);
     }
     let name = photo.file_name().unwrap_or_default().to_string_lossy();
     match &examined.result {
@@ -143,11 +144,11 @@ impl Overlay {
         }
     }
 
-    fn tag(&mut self, tag: &SeenTag, (colour, text): (DrawColour, String)) {
+    fn tag(&mut self, tag: &SeenTag, colour: DrawColour, text: &str) {
         let (corners, pen) = (tag.corners_px.map(|corner| self.at(corner)), self.pen(colour, 1.3));
         draw::polygon(&mut self.image, &corners, pen);
         let middle = [0, 1].map(|axis| corners.iter().map(|c| c[axis]).sum::<f64>() / 4.0);
-        self.label(middle, &text, [[0; 3], colour]);
+        self.label(middle, text, [[0; 3], colour]);
     }
 
     /// Draws text in the top-left corner, broken into lines that fit.
@@ -172,7 +173,7 @@ impl Overlay {
 }
 
 /// Returns a tag's colour and label, by its use for the pose.
-fn fate(tag: &SeenTag, examined: &LocatedPhoto, scene: &Scene) -> (DrawColour, String) {
+fn mark(tag: &SeenTag, examined: &LocatedPhoto, scene: &Scene) -> (DrawColour, String) {
     let id = tag.id;
     let is_ignored = |located: &Located| located.ignored_tags.iter().find(|tag| tag.id == id).map(|tag| tag.why);
     match &examined.result {

@@ -79,7 +79,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
         );
     }
     let of = |set: &LabelledPhotos, manifest: &Manifest, what: &str| {
-        progress::photos(what, set.photos.len()).during(|bar| set.look(manifest, &weights, || bar.inc(1)))
+        progress::photos(what, set.photos.len()).during(|bar| set.detect(manifest, &weights, || bar.inc(1)))
     };
     let found = of(&set, &manifest, &manifest.name)?;
     let averages = set.averages(&found, 0).ok_or("the photos have no object that counts")?;

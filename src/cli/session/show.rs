@@ -13,7 +13,7 @@ use scaleproof_core::{spelling, workers};
 use scaleproof_detect::{Manifest, Recorded, Recording};
 use scaleproof_photo::Photo;
 use scaleproof_score::EvaluatedDetector;
-use scaleproof_session::contents::{self, Contents, Look};
+use scaleproof_session::contents::{self, Contents, PhotoRead};
 use scaleproof_session::{PhotoEntry, Session};
 
 /// Show what is in a session: the scene, the camera, photos by texture and place, recordings, and what is amiss
@@ -93,7 +93,7 @@ fn page(session: &Session) -> Page {
 }
 
 /// Reads every photo, as far as its header.
-fn looks(session: &Session) -> Vec<Look> {
+fn looks(session: &Session) -> Vec<PhotoRead> {
     let look = |photo: &PhotoEntry| Photo::open(&session.photo_path(photo)).map(|photo| photo.sha256);
     let looks: Result<_, Infallible> = progress::photos("reading", session.photos.len())
         .during(|bar| workers::map(&session.photos, || Ok(()), |(), photo| Ok(look(photo)), || bar.inc(1)));
@@ -101,9 +101,9 @@ fn looks(session: &Session) -> Vec<Look> {
 }
 
 /// A recording, and a note when photos have changed or come since.
-fn stored(session: &Session, looks: &[Look], recording: &Recording) -> (Stored, Option<String>) {
+fn stored(session: &Session, looks: &[PhotoRead], recording: &Recording) -> (Stored, Option<String>) {
     let hashes: BTreeSet<&str> = recording.photos.iter().map(|photo| photo.sha256.as_str()).collect();
-    let is_there = |look: &Look| look.as_ref().is_ok_and(|hash| hashes.contains(hash.as_str()));
+    let is_there = |read: &PhotoRead| read.as_ref().is_ok_and(|hash| hashes.contains(hash.as_str()));
     let readable = session.photos.iter().zip(looks).filter(|(_, look)| look.is_ok());
     let without: Vec<_> = readable.filter(|(_, look)| !is_there(look)).collect();
     let detector = recording.detector.clone();

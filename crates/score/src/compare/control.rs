@@ -1,7 +1,6 @@
 //! Control, a second round of the base: effects no larger than the difference between the two rounds are withheld.
 
-use crate::compare::error::CompareError;
-use crate::compare::pairs;
+use crate::compare::{CompareError, pairs};
 use crate::figures::{Compared, Control, Difference, Effect, Finding, Scores};
 use scaleproof_core::message::bail;
 use scaleproof_core::spelling;
@@ -50,22 +49,22 @@ pub fn check_control(variants: &[&str], base: &str, control: &str) -> Result<(),
 }
 
 /// Withholds effects that are no larger than those of the control.
-pub(crate) fn hold_back(results: &mut [Compared], control: &Control) {
+pub(crate) fn withhold(results: &mut [Compared], control: &Control) {
     for compared in results {
         let own = control.results.iter().find(|own| own.detector == compared.detector);
         let (Some(own), Some(finding)) = (own, compared.finding) else {
             continue;
         };
-        compared.finding = Some(match left(finding.effect, compared, own) {
+        compared.finding = Some(match remaining_effect(finding.effect, compared, own) {
             effect if effect == finding.effect => finding,
-            effect => held_back(finding, effect),
+            effect => withheld(finding, effect),
         });
     }
 }
 
 /// Returns what remains of an effect: nothing where the mean confidence differs by no more than between the rounds of the base, in size; no *hides*
 /// where the hit rate does.
-fn left(effect: Effect, compared: &Compared, control: &Compared) -> Effect {
+fn remaining_effect(effect: Effect, compared: &Compared, control: &Compared) -> Effect {
     let is_no_larger = |of: fn(&Compared) -> &Difference| of(compared).drop.abs() <= of(control).drop.abs() + TIED;
     if effect.is_shown() && is_no_larger(|r| &r.mean_confidence) {
         Effect::NothingShown
@@ -76,7 +75,7 @@ fn left(effect: Effect, compared: &Compared, control: &Compared) -> Effect {
     }
 }
 
-fn held_back(finding: Finding, effect: Effect) -> Finding {
+fn withheld(finding: Finding, effect: Effect) -> Finding {
     let like = finding
         .in_places_like_these
         .filter(|_| effect.is_shown())

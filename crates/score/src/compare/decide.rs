@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::compare::control::hold_back;
+use crate::compare::control::withhold;
 use crate::compare::detectable::drop_shown_from;
 use crate::figures::{Compared, Comparison, Effect, Finding, InPlacesLikeThese, PairedView, Sums};
 use scaleproof_core::statistics::{shares, sign_flip_p, smallest_sign_flip_p};
@@ -32,7 +32,7 @@ pub(crate) fn decide_among(comparison: &mut Comparison, is_tested: impl Fn(&str)
     let families = families.filter(|family: &Vec<_>| !family.is_empty()).collect();
     decide_families(families, LEAST_SEEN);
     if let Some(control) = &comparison.control {
-        hold_back(&mut comparison.results, control);
+        withhold(&mut comparison.results, control);
     }
 }
 
@@ -82,8 +82,9 @@ fn findings(
     least_seen: f64,
     sums: impl Fn(&PairedView) -> Option<Sums> + Copy,
 ) -> Vec<Vec<Finding>> {
-    let asked: Vec<Asked> = families.iter().map(|family| Asked::of(family, sums)).collect();
-    let levels = |p: fn(&Asked) -> &Vec<f64>| shares(&asked.iter().map(|a| p(a).clone()).collect::<Vec<_>>(), LEVEL);
+    let tests: Vec<FamilyTests> = families.iter().map(|family| FamilyTests::of(family, sums)).collect();
+    let levels =
+        |p: fn(&FamilyTests) -> &Vec<f64>| shares(&tests.iter().map(|a| p(a).clone()).collect::<Vec<_>>(), LEVEL);
     let confidence_levels = levels(|a| &a.confidence_p);
     let hit_rate_levels = levels(|a| &a.hit_rate_p);
     let of_family = |(f, family): (usize, &Vec<&mut Compared>)| {
@@ -93,7 +94,7 @@ fn findings(
             least_seen,
         };
         (0..family.len())
-            .map(|k| asked[f].finding(k, family[k], levels))
+            .map(|k| tests[f].finding(k, family[k], levels))
             .collect()
     };
     families.iter().enumerate().map(of_family).collect()
@@ -107,8 +108,8 @@ struct Levels {
     least_seen: f64,
 }
 
-/// p values of one family.
-struct Asked {
+/// p values of one family, and the differences they are of.
+struct FamilyTests {
     confidence: Differences,
     /// Number of pairs in each view.
     pairs: Vec<f64>,
@@ -119,14 +120,14 @@ struct Asked {
     hit_rate_p_of_places: Vec<f64>,
 }
 
-impl Asked {
-    fn of(family: &[&mut Compared], sums: impl Fn(&PairedView) -> Option<Sums> + Copy) -> Asked {
+impl FamilyTests {
+    fn of(family: &[&mut Compared], sums: impl Fn(&PairedView) -> Option<Sums> + Copy) -> FamilyTests {
         let view = |v: &PairedView| (v.place.clone(), v.bin);
         let place = |v: &PairedView| v.place.clone();
         let confidence = by_cluster(family, sums, view, |s| s.confidence_lost);
         let by_place = by_cluster(family, sums, place, |s| s.confidence_lost);
         let pairs = by_cluster(family, sums, view, |s| s.pairs as f64);
-        Asked {
+        FamilyTests {
             pairs: pairs.into_iter().next().unwrap_or_default(),
             places: by_place.first().map_or(0, Vec::len),
             confidence_p: sign_flip_p(&confidence),

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use crate::compare::Cell;
-use crate::compare::pairs::{Cluster, Pair, clusters};
+use crate::compare::pairs::Cluster;
+use crate::compare::{Cell, Pair, clusters};
 use crate::figures::{
-    BinHits, ClusteredAp, ClusteredBy, Compared, Difference, Hits, PairedView, ScoredPhoto, Side, Sums,
+    BinHits, ClusteredAp, ClusteredBy, Compared, DetectorView, Difference, Hits, PairedView, ScoredPhoto, Sums,
 };
 use scaleproof_core::ap::ApDefinition;
 use scaleproof_core::statistics::intervals_95;
@@ -14,7 +14,7 @@ pub(crate) fn compared(
     detector: String,
     variant: &str,
     cells: &[Cell],
-    side: Side,
+    side: DetectorView,
     definition: ApDefinition,
 ) -> Compared {
     let all = clusters(&cells.iter().collect::<Vec<_>>(), ClusteredBy::PlaceAndBin);
@@ -35,7 +35,7 @@ pub(crate) fn compared(
     }
 }
 
-pub(crate) fn view(cell: &Cell, side: Side) -> PairedView {
+pub(crate) fn view(cell: &Cell, side: DetectorView) -> PairedView {
     let sums = |pairs: &[&Pair]| {
         let lost =
             |figure: &dyn Fn(&ScoredPhoto) -> f64| pairs.iter().map(|(base, other)| figure(base) - figure(other)).sum();
@@ -58,7 +58,7 @@ pub(crate) fn view(cell: &Cell, side: Side) -> PairedView {
     }
 }
 
-fn by_azimuth(cells: &[Cell], side: Side) -> Vec<BinHits> {
+fn by_azimuth(cells: &[Cell], side: DetectorView) -> Vec<BinHits> {
     // Cells come in the order of their bins, azimuth first.
     let groups = cells.chunk_by(|a, b| a.bin.azimuth_deg == b.bin.azimuth_deg);
     let bin = |group: &[Cell]| {
@@ -83,7 +83,7 @@ fn pairs_in(clusters: &[Cluster]) -> usize {
     clusters.iter().map(|c| c.pairs.len()).sum()
 }
 
-fn hits(clusters: &[Cluster], side: Side) -> Hits {
+fn hits(clusters: &[Cluster], side: DetectorView) -> Hits {
     let alone = |one: fn(bool, bool) -> bool| {
         let pairs = clusters.iter().flat_map(|c| &c.pairs);
         let is_hit = |photo| side.outcome(photo).is_hit();
@@ -112,7 +112,7 @@ fn of_means(clusters: &[Cluster], figure: impl Fn(&ScoredPhoto) -> f64) -> Diffe
     })
 }
 
-fn of_ap(clusters: &[Cluster], side: Side, definition: ApDefinition) -> Difference {
+fn of_ap(clusters: &[Cluster], side: DetectorView, definition: ApDefinition) -> Difference {
     let ap = paired_ap(clusters, side);
     difference(clusters.len(), |drawn| {
         ap.each_ref().map(|ap| ap.of_draw(drawn, definition)).into()
@@ -120,7 +120,7 @@ fn of_ap(clusters: &[Cluster], side: Side, definition: ApDefinition) -> Differen
 }
 
 /// Returns the rankings behind the AP of both variants, for any draw of clusters.
-pub(crate) fn paired_ap(clusters: &[Cluster], side: Side) -> [ClusteredAp; 2] {
+pub(crate) fn paired_ap(clusters: &[Cluster], side: DetectorView) -> [ClusteredAp; 2] {
     let pairs = || {
         clusters
             .iter()

@@ -1,9 +1,9 @@
 //! Change of a drop of AP when it is measured in another way on the same photos.
 
 use crate::compare::differences::paired_ap;
-use crate::compare::pair;
-use crate::compare::pairs::{clustered_by, clusters};
-use crate::figures::{ClusteredAp, Scores, Side};
+use crate::compare::pairs::clustered_by;
+use crate::compare::{clusters, pair};
+use crate::figures::{ClusteredAp, DetectorView, Scores};
 use scaleproof_core::ap::ApDefinition;
 use scaleproof_core::statistics::{Interval, interval_95};
 
@@ -18,9 +18,12 @@ pub struct MovedDrop {
 /// Returns the change of the drop for each detector, for a variant against the base. `usual` and `other` are of the same photos and detectors, in the
 /// same order.
 pub fn moved_drops(
-    (usual, definition): (&Scores, ApDefinition),
-    (other, other_definition): (&Scores, ApDefinition),
-    (base, variant): (&str, &str),
+    usual: &Scores,
+    definition: ApDefinition,
+    other: &Scores,
+    other_definition: ApDefinition,
+    base: &str,
+    variant: &str,
 ) -> Vec<MovedDrop> {
     let cells = |scores| pair(Scores::set(scores), base, variant).0;
     let (own, others) = (cells(usual), cells(other));
@@ -39,5 +42,5 @@ pub fn moved_drops(
             interval_95: interval_95(count, moved),
         }
     };
-    Side::each(&usual.detectors).map(of).collect()
+    DetectorView::each(&usual.detectors).map(of).collect()
 }

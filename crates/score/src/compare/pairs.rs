@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::compare::error::CompareError;
+use crate::compare::CompareError;
 use crate::figures::{ClusteredBy, NotScored, ScoredPhoto, ScoredSet};
 use scaleproof_core::statistics::FEWEST_CLUSTERS;
 use scaleproof_pose::scene::Bin;

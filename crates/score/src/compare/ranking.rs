@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::figures::{
-    ClusteredAp, GroupBy, RankedVariant, Ranking, RankingFinding, RankingRow, ScoredPhoto, Scores, Side, variants,
+    ClusteredAp, DetectorView, GroupBy, RankedVariant, Ranking, RankingFinding, RankingRow, ScoredPhoto, Scores,
+    variants,
 };
 use scaleproof_core::ap::ApDefinition;
 use scaleproof_core::spelling::{choose, count};
@@ -27,9 +28,9 @@ pub fn ranking(scores: &Scores, other: &Scores) -> Ranking {
             choose(shared, "is", "are")
         ));
     }
-    for (side, detector) in Side::each(&scores.detectors) {
+    for (side, detector) in DetectorView::each(&scores.detectors) {
         let name = &detector.manifest.name;
-        let Some(other_side) = Side::named(&other.detectors, name) else {
+        let Some(other_side) = DetectorView::named(&other.detectors, name) else {
             cautions.push(format!("{name} did not look at the other photos"));
             continue;
         };
@@ -37,7 +38,7 @@ pub fn ranking(scores: &Scores, other: &Scores) -> Ranking {
             let here = CellPhotos::new(scores, side, group.as_ref());
             let there = CellPhotos::new(other, other_side, group.as_ref());
             let title = group.map_or("all".to_owned(), |(by, value)| format!("{} {value}", by.condition));
-            match row((name, &title), &here, &there, scores.criteria.ap) {
+            match row(name, &title, &here, &there, scores.criteria.ap) {
                 Ok(row) => rows.push(row),
                 Err(reason) => cautions.push(format!("{name}, photos: {title}: {reason}")),
             }
@@ -61,13 +62,13 @@ fn groups(scores: &Scores) -> Vec<Option<(&GroupBy, String)>> {
 
 /// The photos of one detector in a group, by place and bin and then by variant.
 struct CellPhotos<'a> {
-    side: Side<'a>,
+    side: DetectorView<'a>,
     cells: BTreeMap<(&'a str, Bin), BTreeMap<&'a str, Vec<&'a ScoredPhoto>>>,
     variants: Vec<String>,
 }
 
 impl<'a> CellPhotos<'a> {
-    fn new(scores: &'a Scores, side: Side<'a>, group: Option<&(&GroupBy, String)>) -> CellPhotos<'a> {
+    fn new(scores: &'a Scores, side: DetectorView<'a>, group: Option<&(&GroupBy, String)>) -> CellPhotos<'a> {
         let is_own = |photo: &&ScoredPhoto| group.is_none_or(|(by, value)| by.group_of(photo).as_ref() == Some(value));
         let mut cells: BTreeMap<_, BTreeMap<_, Vec<_>>> = BTreeMap::new();
         for photo in scores.photos.iter().filter(is_own) {
@@ -134,7 +135,8 @@ impl VariantAps {
 }
 
 fn row(
-    (detector, photos): (&str, &str),
+    detector: &str,
+    photos: &str,
     here: &CellPhotos,
     there: &CellPhotos,
     definition: ApDefinition,

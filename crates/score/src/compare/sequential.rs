@@ -2,13 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use crate::compare::error::CompareError;
-use crate::compare::pairs::{Pair, some_pairs};
 use crate::compare::textures::others;
-use crate::compare::{Cell, LEVEL, MOST_HIT, pair};
+use crate::compare::{Cell, CompareError, LEVEL, MOST_HIT, Pair, pair, some_pairs};
 use crate::figures::{
-    ClusteredBy, Compared, Comparison, Course, Decision, Effect, ScoredPhoto, Scores, Sequential, SequentialFinding,
-    Side, variants,
+    ClusteredBy, Compared, Comparison, Course, Decision, DetectorView, Effect, ScoredPhoto, Scores, Sequential,
+    SequentialFinding, variants,
 };
 use scaleproof_core::geometry::angle::turn;
 use scaleproof_core::statistics::{Sequence, holm};
@@ -37,16 +35,16 @@ pub fn sequential(
     for variant in &others {
         let (cells, _) = some_pairs(scores.set(), base, variant)?;
         let looks = looks(&cells, by);
-        let sides: Vec<(Side, _)> = Side::each(&scores.detectors).collect();
-        let confidences = |side: Side| {
+        let sides: Vec<(DetectorView, _)> = DetectorView::each(&scores.detectors).collect();
+        let confidences = |side: DetectorView| {
             let confidence = |photo: &ScoredPhoto| side.outcome(photo).confidence;
-            followed(&looks, (least, tests), |(base, other)| {
+            test_figure(&looks, least, tests, |(base, other)| {
                 confidence(base) - confidence(other)
             })
         };
-        let confidences: Vec<Followed> = sides.iter().map(|(side, _)| confidences(*side)).collect();
+        let confidences: Vec<FigureTest> = sides.iter().map(|(side, _)| confidences(*side)).collect();
         for (i, (side, detector)) in sides.iter().enumerate() {
-            let hits = followed(&looks, (least, tests), |(base, other)| side.hit(base) - side.hit(other));
+            let hits = test_figure(&looks, least, tests, |(base, other)| side.hit(base) - side.hit(other));
             let (mean_confidence, changed_after) = primary(&confidences, i, others.len());
             let hit_rate = secondary(&hits, changed_after);
             let left = mean(&looks, |(_, other)| side.hit(other));
@@ -167,7 +165,7 @@ fn looks<'a>(cells: &[Cell<'a>], by: ClusteredBy) -> Vec<Look<'a>> {
 }
 
 /// A figure's differences, look by look.
-struct Followed {
+struct FigureTest {
     sequence: Sequence,
     /// Mean of the differences.
     drop: f64,
@@ -196,7 +194,7 @@ fn effect(confidence: &Decision, hit_rate: &Decision, left: f64) -> Effect {
 }
 
 /// Tests a figure's differences look by look; `tests` is the number of tests that are decided together.
-fn followed(looks: &[Look], (least, tests): (Option<f64>, usize), difference: impl Fn(&Pair) -> f64) -> Followed {
+fn test_figure(looks: &[Look], least: Option<f64>, tests: usize, difference: impl Fn(&Pair) -> f64) -> FigureTest {
     let strata = looks.iter().map(|look| look.stratum + 1).max().unwrap_or(1);
     let mut sequence = Sequence::new(strata, least).among(tests);
     let (mut sum, mut p, mut log10_evidence) = (0.0, Vec::new(), Vec::new());
@@ -208,7 +206,7 @@ fn followed(looks: &[Look], (least, tests): (Option<f64>, usize), difference: im
         sum += mean;
     }
     let drop = sum / looks.len() as f64;
-    Followed {
+    FigureTest {
         sequence,
         drop,
         p,
@@ -218,7 +216,7 @@ fn followed(looks: &[Look], (least, tests): (Option<f64>, usize), difference: im
 
 /// Returns the decision on the mean confidence of detector `own`, and the look after which its change was shown. The p of all detectors are corrected
 /// at each look (Holm 1979), and for the number of textures (Bonferroni): each is a p whenever one stops, so that these are, too.
-fn primary(all: &[Followed], own: usize, textures: usize) -> (Decision, Option<usize>) {
+fn primary(all: &[FigureTest], own: usize, textures: usize) -> (Decision, Option<usize>) {
     let at = |look: usize| {
         holm(
             &all.iter()
@@ -233,13 +231,13 @@ fn primary(all: &[Followed], own: usize, textures: usize) -> (Decision, Option<u
 }
 
 /// Returns the decision on another figure: its change is shown by its own p, and not before that of the mean confidence.
-fn secondary(own: &Followed, gate: Option<usize>) -> Decision {
+fn secondary(own: &FigureTest, gate: Option<usize>) -> Decision {
     let alone = own.p.iter().position(|p| *p < LEVEL).map(|look| look + 1);
     decision(own, alone.zip(gate).map(|(alone, gate)| alone.max(gate)), None)
 }
 
 /// Returns the decision by what was shown first: a change, or a drop smaller than the least that matters.
-fn decision(own: &Followed, changed_after: Option<usize>, p_corrected: Option<f64>) -> Decision {
+fn decision(own: &FigureTest, changed_after: Option<usize>, p_corrected: Option<f64>) -> Decision {
     let (sequence, none) = (&own.sequence, usize::MAX);
     let less_after = sequence.less_after();
     let finding = match (changed_after, less_after) {

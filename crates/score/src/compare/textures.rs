@@ -2,11 +2,9 @@
 
 use crate::compare::decide::decide_among;
 use crate::compare::differences::compared;
-use crate::compare::error::CompareError;
-use crate::compare::pairs::some_pairs;
-use crate::compare::{pair, pairs};
+use crate::compare::{CompareError, pair, pairs, some_pairs};
 use crate::evaluated::EvaluatedDetector;
-use crate::figures::{Compared, Comparison, Control, ScoredPhoto, ScoredSet, Scores, Side, variants};
+use crate::figures::{Compared, Comparison, Control, DetectorView, ScoredPhoto, ScoredSet, Scores, variants};
 use scaleproof_core::ap::ApDefinition;
 use scaleproof_core::statistics::{DRAWS, SEED};
 
@@ -71,7 +69,7 @@ fn is_texture(scores: &Scores, base: &str, variant: &str) -> bool {
     variant != base && scores.control.as_deref() != Some(variant)
 }
 
-/// Compares these variants with `base` by intervals alone: nothing is tested until [`decide`].
+/// Compares these variants with `base` by intervals alone: nothing is tested until [`decide`](crate::decide).
 pub fn compare_with(
     scores: &Scores,
     base: &str,
@@ -106,7 +104,7 @@ pub(crate) fn compare_set(
     for variant in others {
         let (cells, left_over) = some_pairs(set, base, variant)?;
         unpaired.extend(left_over);
-        for (side, detector) in Side::each(set.detectors) {
+        for (side, detector) in DetectorView::each(set.detectors) {
             let name = detector.manifest.name.clone();
             results.push(compared(name, variant, &cells, side, definition));
         }

@@ -4,8 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::evaluated::{DetectionSource, EvaluatedDetector};
 use crate::figures::summary::thousandths;
-use crate::figures::thresholds::MATCH_IOU;
-use crate::figures::{NotScored, ScoredPhoto, Summary, identical_photos, is_control};
+use crate::figures::{MATCH_IOU, NotScored, ScoredPhoto, Summary, identical_photos, is_control};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::spelling;
 use scaleproof_core::statistics::FEWEST_CLUSTERS;
@@ -20,7 +19,9 @@ pub(crate) fn cautions(
     not_scored: &[NotScored],
     sessions: &[Session],
     detectors: &[EvaluatedDetector],
-    (base, control, summaries): (&str, Option<&str>, &[Summary]),
+    base: &str,
+    control: Option<&str>,
+    summaries: &[Summary],
 ) -> Vec<String> {
     let mut cautions = Vec::new();
     // Figures that may be of something else.

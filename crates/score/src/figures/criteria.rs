@@ -1,7 +1,6 @@
 //! Criteria of a run, and the definitions that stand beside its figures.
 
-use crate::figures::Protocol;
-use crate::figures::thresholds::{HIT_CONFIDENCE, MATCH_IOU, Thresholds};
+use crate::figures::{HIT_CONFIDENCE, MATCH_IOU, Protocol, Thresholds};
 use scaleproof_core::ap::ApDefinition;
 
 /// The choices a figure depends on; stated wherever the figures are.

@@ -2,8 +2,7 @@
 
 use serde::Serialize;
 
-use crate::figures::thresholds::MATCH_IOU;
-use crate::figures::{Rate, Scores, Side, Summary};
+use crate::figures::{DetectorView, MATCH_IOU, Rate, Scores, Summary};
 use scaleproof_core::ap::Ranked;
 
 /// The curves of one detector on one variant, over all its photos.
@@ -40,7 +39,7 @@ pub fn curves(scores: &Scores) -> Vec<Curves> {
 }
 
 fn curves_of(scores: &Scores, s: &Summary) -> Option<Curves> {
-    let side = Side::named(&scores.detectors, &s.detector)?;
+    let side = DetectorView::named(&scores.detectors, &s.detector)?;
     let photos = || scores.photos.iter().filter(|p| p.variant == s.variant);
     let images = side.images(photos());
     let curve = Ranked::new(&images, MATCH_IOU).curve(|_| 1).unwrap_or_default();

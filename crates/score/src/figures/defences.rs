@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::figures::Held;
+use crate::figures::PairedDifference;
 
 /// Name of the condition of photos that are no more than reduced.
 pub const UNDEFENDED: &str = "none";
@@ -36,5 +36,5 @@ pub struct DefendedRow {
     /// `none`: the photo reduced to 640 px like the others, not defended.
     pub defence: String,
     #[serde(flatten)]
-    pub held: Held,
+    pub difference: PairedDifference,
 }

@@ -1,29 +1,30 @@
 //! A detector's side of the photos of a run: its outcomes, and its boxes as average precision takes them.
 
 use crate::evaluated::EvaluatedDetector;
-use crate::figures::thresholds::MATCH_IOU;
-use crate::figures::{PhotoOutcome, ScoredPhoto};
+use crate::figures::{MATCH_IOU, PhotoOutcome, ScoredPhoto};
 use scaleproof_core::ap::{ApDefinition, ImageBoxes, Ranked};
 
 /// A detector of a run: its index, and its labels that count as the model.
 #[derive(Clone, Copy)]
-pub(crate) struct Side<'a> {
+pub(crate) struct DetectorView<'a> {
     pub detector: usize,
     pub counted: &'a [usize],
 }
 
-impl<'a> Side<'a> {
-    pub(crate) fn each(detectors: &'a [EvaluatedDetector]) -> impl Iterator<Item = (Side<'a>, &'a EvaluatedDetector)> {
+impl<'a> DetectorView<'a> {
+    pub(crate) fn each(
+        detectors: &'a [EvaluatedDetector],
+    ) -> impl Iterator<Item = (DetectorView<'a>, &'a EvaluatedDetector)> {
         let side = |(detector, evaluated): (usize, &'a EvaluatedDetector)| {
             let counted = &evaluated.counted;
-            (Side { detector, counted }, evaluated)
+            (DetectorView { detector, counted }, evaluated)
         };
         detectors.iter().enumerate().map(side)
     }
 
     /// Returns the detector of that name.
-    pub(crate) fn named(detectors: &'a [EvaluatedDetector], name: &str) -> Option<Side<'a>> {
-        let mut all = Side::each(detectors);
+    pub(crate) fn named(detectors: &'a [EvaluatedDetector], name: &str) -> Option<DetectorView<'a>> {
+        let mut all = DetectorView::each(detectors);
         all.find(|(_, d)| d.manifest.name == name).map(|(side, _)| side)
     }
 

@@ -1,7 +1,6 @@
 //! Sentences on AP and hit rate that disagree: AP ranks weak detections too, a hit must be confident.
 
-use crate::figures::thresholds::MATCH_IOU;
-use crate::figures::{ScoredPhoto, Scores, Side, Summary};
+use crate::figures::{DetectorView, MATCH_IOU, ScoredPhoto, Scores, Summary};
 use scaleproof_core::ap::{ApDefinition, average_precision_as};
 use scaleproof_core::spelling::digits;
 use scaleproof_detect::Detection;
@@ -15,13 +14,13 @@ pub fn disagreements(scores: &Scores) -> Vec<String> {
 }
 
 fn explained(scores: &Scores, s: &Summary) -> Option<String> {
-    let side = Side::named(&scores.detectors, &s.detector)?;
+    let side = DetectorView::named(&scores.detectors, &s.detector)?;
     let f = &s.overall;
     let difference = f.ap50 - f.hit_rate.rate;
     if difference.abs() < TELLING {
         return None;
     }
-    let own = Own {
+    let own = VariantPhotos {
         scores,
         side,
         photos: scores.photos.iter().filter(|p| p.variant == s.variant).collect(),
@@ -48,13 +47,13 @@ fn explained(scores: &Scores, s: &Summary) -> Option<String> {
 }
 
 /// The photos of one variant, as one detector saw them.
-struct Own<'a> {
+struct VariantPhotos<'a> {
     scores: &'a Scores,
-    side: Side<'a>,
+    side: DetectorView<'a>,
     photos: Vec<&'a ScoredPhoto>,
 }
 
-impl Own<'_> {
+impl VariantPhotos<'_> {
     /// Returns the part of YOLOv5's definition in the difference: it joins the last recall reached to recall 1 by a ramp, whose area counts.
     fn by_ramp(&self, ap50: f64) -> Option<String> {
         let is_ramp = self.scores.criteria.ap == ApDefinition::Yolov5Ramp;

@@ -45,7 +45,7 @@ pub struct Finding {
     pub hit_rate_p: f64,
     /// The hit rate is shown to change where its p is no larger: the texture's share of another 5 %.
     pub hit_rate_level: f64,
-    /// So many views more are needed before the smallest possible p is within the share; 0 where the views are enough.
+    /// Number of further views from which the smallest possible p is within the share; 0 where the views are enough.
     pub views_missing: usize,
     /// The smallest drop of the mean confidence that as many views, spread as these, show with a chance of 0.8; `null` where an effect is shown, where no
     /// drop from this base is, and with too few views.
@@ -60,6 +60,6 @@ pub struct InPlacesLikeThese {
     pub effect: Effect,
     /// p of the mean confidence by flipped signs of whole places, corrected for the detectors.
     pub confidence_p: f64,
-    /// So many places more are needed before the smallest possible p is within the texture's share; 0 where the places are enough.
+    /// Number of further places from which the smallest possible p is within the texture's share; 0 where the places are enough.
     pub places_missing: usize,
 }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::evaluated::EvaluatedDetector;
-use crate::figures::thresholds::Thresholds;
+use crate::figures::Thresholds;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_detect::Detection;
 

@@ -1,6 +1,6 @@
 //! Protocols of papers and benchmarks: the thresholds, the definition and the source of each, by name.
 
-use crate::figures::thresholds::MATCH_IOU;
+use crate::figures::MATCH_IOU;
 use scaleproof_core::ap::ApDefinition;
 
 /// Protocol whose figures a run can be compared with.

@@ -4,8 +4,7 @@ use serde::Serialize;
 use statrs::distribution::{Binomial, Discrete};
 
 use crate::evaluated::EvaluatedDetector;
-use crate::figures::thresholds::MATCH_IOU;
-use crate::figures::{Rate, ScoredPhoto, Side};
+use crate::figures::{DetectorView, MATCH_IOU, Rate, ScoredPhoto};
 
 /// Confidence below which detections are left out: there are up to a hundred a photo, nearly all wrong and known to be.
 pub const RELIABILITY_FLOOR: f64 = 0.1;
@@ -42,16 +41,16 @@ pub struct ConfidenceBin {
 
 /// Returns the reliability of every detector, in their order.
 pub fn reliability(photos: &[ScoredPhoto], detectors: &[EvaluatedDetector]) -> Vec<Reliability> {
-    let of = |(side, detector): (Side, &EvaluatedDetector)| {
+    let of = |(side, detector): (DetectorView, &EvaluatedDetector)| {
         let detections = photos.iter().flat_map(|p| judged(p, side));
         Reliability::new(detector.manifest.name.clone(), &detections.collect::<Vec<_>>())
     };
-    Side::each(detectors).map(of).collect()
+    DetectorView::each(detectors).map(of).collect()
 }
 
 /// Returns (confidence, correct) of the detections of the class in one photo. Correct is the first, in descending confidence, that overlaps the truth
 /// enough; every further one is a double, and wrong, as for AP.
-fn judged(photo: &ScoredPhoto, side: Side) -> Vec<(f64, bool)> {
+fn judged(photo: &ScoredPhoto, side: DetectorView) -> Vec<(f64, bool)> {
     let mut detections = side.boxes(photo).detections;
     detections.sort_by(|a, b| b.0.total_cmp(&a.0));
     let first = detections.iter().position(|(_, b)| b.iou(&photo.truth) >= MATCH_IOU);

@@ -37,12 +37,12 @@ pub struct CorruptedRow {
     /// Amount of the severity; empty for severity 0.
     pub amount: String,
     #[serde(flatten)]
-    pub held: Held,
+    pub difference: PairedDifference,
 }
 
 /// A variant against its base, on photos of one kind.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct Held {
+pub struct PairedDifference {
     pub base: String,
     pub variant: String,
     pub detector: String,
@@ -55,7 +55,7 @@ pub struct Held {
     pub ap50: Difference,
 }
 
-impl Held {
+impl PairedDifference {
     pub(crate) fn new(base: &str, compared: Compared) -> Self {
         Self {
             base: base.to_owned(),
@@ -109,12 +109,12 @@ impl Survival {
             |is: &dyn Fn(&CorruptedRow) -> bool| own.clone().filter(|row| is(row)).map(|row| row.severity).collect();
         Self {
             corruption: first.corruption,
-            base: first.held.base.clone(),
-            variant: first.held.variant.clone(),
-            detector: first.held.detector.clone(),
-            above_zero_at: at(&|row| row.held.is_above_zero() == Some(true)),
-            base_lost_at: at(&|row| row.held.ap50.base < BASE_LOST),
-            without_interval_at: at(&|row| row.held.is_above_zero().is_none()),
+            base: first.difference.base.clone(),
+            variant: first.difference.variant.clone(),
+            detector: first.difference.detector.clone(),
+            above_zero_at: at(&|row| row.difference.is_above_zero() == Some(true)),
+            base_lost_at: at(&|row| row.difference.ap50.base < BASE_LOST),
+            without_interval_at: at(&|row| row.difference.is_above_zero().is_none()),
         }
     }
 }

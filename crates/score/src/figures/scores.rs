@@ -7,7 +7,7 @@ use crate::evaluated::EvaluatedDetector;
 use crate::figures::near_copies::{counted_once, mark_repeats};
 use crate::figures::{
     AppliedSettings, BASE_VARIANT, Comparison, Criteria, Defences, GroupBy, NotScored, PhotoOutcome, Ranking,
-    Robustness, ScoredPhoto, Summary, WornPattern, caution, nothing_scored, summary,
+    Robustness, ScoredPhoto, Summary, TexturePattern, caution, nothing_scored, summary,
 };
 use scaleproof_core::message::Message;
 use scaleproof_plot::distinct;
@@ -60,7 +60,7 @@ pub struct Scores {
     /// Order of the variants against that in other sessions, on request.
     pub ranking: Option<Ranking>,
     /// Patterns of the textures, as far as they are known.
-    pub patterns: Vec<WornPattern>,
+    pub patterns: Vec<TexturePattern>,
     /// Conditions that the summaries group photos by, besides directions and places.
     groups: Vec<GroupBy>,
     /// Each variant against the base, computed on first use; none where it cannot be.
@@ -162,7 +162,9 @@ impl Scores {
             &self.not_scored,
             &self.sessions,
             &self.detectors,
-            (&self.base, self.control.as_deref(), &self.summaries),
+            &self.base,
+            self.control.as_deref(),
+            &self.summaries,
         ));
         self.paired = OnceLock::new();
     }

@@ -6,8 +6,7 @@ use serde::Serialize;
 
 use crate::evaluated::EvaluatedDetector;
 use crate::figures::grouping::in_order;
-use crate::figures::thresholds::MATCH_IOU;
-use crate::figures::{GroupBy, PhotoOutcome, ScoredPhoto, Side, variants};
+use crate::figures::{DetectorView, GroupBy, MATCH_IOU, PhotoOutcome, ScoredPhoto, variants};
 use scaleproof_core::ap::{ApDefinition, average_precision_as, over_ious};
 use scaleproof_core::statistics::{median, wilson_95};
 use scaleproof_pose::scene::{Bin, Bins};
@@ -157,7 +156,7 @@ pub(crate) struct Basis<'a> {
 /// Returns the figures of every detector on every variant, the base variant first, the others by name.
 pub(crate) fn summaries(photos: &[ScoredPhoto], detectors: &[EvaluatedDetector], basis: Basis) -> Vec<Summary> {
     let mut summaries = Vec::new();
-    for (side, detector) in Side::each(detectors) {
+    for (side, detector) in DetectorView::each(detectors) {
         let name = &detector.manifest.name;
         let variants = variants(photos, basis.base).into_iter();
         let mut own: Vec<Summary> = variants
@@ -173,22 +172,28 @@ pub(crate) fn summaries(photos: &[ScoredPhoto], detectors: &[EvaluatedDetector],
 }
 
 /// Detector whose figures are computed, and definition of AP.
-type By<'a> = (Side<'a>, ApDefinition);
+type ViewAndAp<'a> = (DetectorView<'a>, ApDefinition);
 
 impl Summary {
     /// Computes the figures alone, without drops; `None` without a photo of the variant.
-    fn new(detector: &str, variant: String, photos: &[ScoredPhoto], side: Side, basis: Basis) -> Option<Summary> {
+    fn new(
+        detector: &str,
+        variant: String,
+        photos: &[ScoredPhoto],
+        side: DetectorView,
+        basis: Basis,
+    ) -> Option<Summary> {
         let photos: Vec<&ScoredPhoto> = photos.iter().filter(|p| p.variant == variant).collect();
-        let by_whom = (side, basis.ap);
-        let by_azimuth = by(&photos, by_whom, |p| p.bin.map(|b| thousandths(b.azimuth_deg)));
+        let view_and_ap = (side, basis.ap);
+        let by_azimuth = figures_by(&photos, view_and_ap, |p| p.bin.map(|b| thousandths(b.azimuth_deg)));
         let azimuth_bins = basis.bins.azimuth_centres().into_iter().map(|azimuth_deg| BinFigures {
             azimuth_deg,
             figures: by_azimuth.get(&thousandths(azimuth_deg)).copied(),
             drop: None,
         });
         let (cells, places) = (
-            by(&photos, by_whom, |p| p.bin),
-            by(&photos, by_whom, |p| Some(p.place.clone())),
+            figures_by(&photos, view_and_ap, |p| p.bin),
+            figures_by(&photos, view_and_ap, |p| Some(p.place.clone())),
         );
         let cell = |(bin, figures)| CellFigures {
             bin,
@@ -201,7 +206,7 @@ impl Summary {
             drop: None,
         };
         Some(Summary {
-            overall: figures(&photos, by_whom)?,
+            overall: figures(&photos, view_and_ap)?,
             drop: None,
             asr: None,
             azimuth_bins: azimuth_bins.collect(),
@@ -210,7 +215,7 @@ impl Summary {
             conditions: basis
                 .groups
                 .iter()
-                .flat_map(|g| by_condition(&photos, by_whom, g))
+                .flat_map(|g| by_condition(&photos, view_and_ap, g))
                 .collect(),
             detector: detector.to_owned(),
             variant,
@@ -247,7 +252,11 @@ pub(crate) fn thousandths(azimuth_deg: f64) -> i64 {
 }
 
 /// Returns the figures of each group of photos; a photo without a key is in none.
-fn by<K: Ord>(photos: &[&ScoredPhoto], side: By, key: impl Fn(&ScoredPhoto) -> Option<K>) -> BTreeMap<K, Figures> {
+fn figures_by<K: Ord>(
+    photos: &[&ScoredPhoto],
+    side: ViewAndAp,
+    key: impl Fn(&ScoredPhoto) -> Option<K>,
+) -> BTreeMap<K, Figures> {
     let mut groups: BTreeMap<K, Vec<&ScoredPhoto>> = BTreeMap::new();
     for (photo, key) in photos.iter().filter_map(|p| Some((p, key(p)?))) {
         groups.entry(key).or_default().push(photo);
@@ -256,8 +265,8 @@ fn by<K: Ord>(photos: &[&ScoredPhoto], side: By, key: impl Fn(&ScoredPhoto) -> O
     groups.into_iter().filter_map(figures).collect()
 }
 
-fn by_condition(photos: &[&ScoredPhoto], side: By, group: &GroupBy) -> Vec<ConditionFigures> {
-    let figures = by(photos, side, |p| group.group_of(p));
+fn by_condition(photos: &[&ScoredPhoto], side: ViewAndAp, group: &GroupBy) -> Vec<ConditionFigures> {
+    let figures = figures_by(photos, side, |p| group.group_of(p));
     let values = in_order(figures.keys().cloned().collect()).into_iter();
     let of_value = |value: String| ConditionFigures {
         condition: group.condition.clone(),
@@ -270,7 +279,7 @@ fn by_condition(photos: &[&ScoredPhoto], side: By, group: &GroupBy) -> Vec<Condi
 }
 
 /// Computes the figures of one detector on a group of photos; `None` for an empty group.
-fn figures(photos: &[&ScoredPhoto], (side, ap): By) -> Option<Figures> {
+fn figures(photos: &[&ScoredPhoto], (side, ap): ViewAndAp) -> Option<Figures> {
     let images = side.images(photos.iter().copied());
     let outcomes = || photos.iter().map(|p| side.outcome(p));
     let mean = |of: fn(&PhotoOutcome) -> f64| outcomes().map(of).sum::<f64>() / photos.len() as f64;

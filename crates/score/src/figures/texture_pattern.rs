@@ -4,7 +4,7 @@ use serde::Serialize;
 
 /// The pattern of a texture.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct WornPattern {
+pub struct TexturePattern {
     /// The texture that has the pattern.
     pub variant: String,
     /// Name of the pattern's file.

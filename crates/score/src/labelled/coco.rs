@@ -6,7 +6,8 @@ use std::path::{Component, Path};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use crate::labelled::photos::{LabelledPhoto, LabelledPhotos, Object};
+use crate::labelled::LabelledPhotos;
+use crate::labelled::photos::{LabelledPhoto, Object};
 use scaleproof_core::coco::{self, File, Whole};
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::geometry::BoxPx;

@@ -4,7 +4,7 @@ pub mod coco; // COCO annotations of whole photos
 pub mod error; // photos that the detector cannot be run on
 pub mod feeding; // common ways to feed a network otherwise
 pub mod photos; // labelled photos, and the AP on them
-pub mod trials; // a manifest with one thing changed at a time
+pub(crate) mod trials; // a manifest with one thing changed at a time
 
 pub use coco::labelled_photos;
 pub use error::LabelledError;

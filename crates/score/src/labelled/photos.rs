@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use crate::labelled::error::LabelledError;
+use crate::labelled::LabelledError;
 use scaleproof_core::ap::{ApDefinition, ImageBoxes, Ranked, average_precision_as, ious, over_ious};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::{statistics, workers};
@@ -42,7 +42,7 @@ pub struct Averages {
 }
 
 /// The detections of each photo, in the photos' order.
-pub type Found = Vec<Vec<Detection>>;
+pub type PhotoDetections = Vec<Vec<Detection>>;
 
 impl LabelledPhotos {
     pub fn counts(&self) -> [usize; 2] {
@@ -67,23 +67,24 @@ impl LabelledPhotos {
         }
     }
 
-    pub fn look(
+    /// Runs a detector on every photo.
+    pub fn detect(
         &self,
         manifest: &Manifest,
         weights: &Path,
         on_photo: impl Fn() + Sync,
-    ) -> Result<Found, LabelledError> {
+    ) -> Result<PhotoDetections, LabelledError> {
         let open = || -> Result<Detector, LabelledError> { Ok(Detector::open(Runtime::load()?, manifest, weights)?) };
-        let look = |detector: &mut Detector, labelled: &LabelledPhoto| {
+        let detect = |detector: &mut Detector, labelled: &LabelledPhoto| {
             let photo = Photo::open(&labelled.path)?;
             let image = photo.rgb(photo.reduction(manifest.least_px(photo.width, photo.height)))?;
             Ok(detector.detect_reduced(&image, photo.width, photo.height)?)
         };
-        workers::map(&self.photos, open, look, on_photo)
+        workers::map(&self.photos, open, detect, on_photo)
     }
 
     /// Returns the averages of the detections `found`; with `shift`, of labels that many entries further down the list. `None` without any object.
-    pub fn averages(&self, found: &Found, shift: i64) -> Option<Averages> {
+    pub fn averages(&self, found: &PhotoDetections, shift: i64) -> Option<Averages> {
         let objects = self.photos.iter().flat_map(|photo| &photo.objects);
         let highest = objects.map(|object| object.label).max()?;
         let of_label = (0..=highest).filter_map(|label| {
@@ -98,7 +99,7 @@ impl LabelledPhotos {
         (!of_label.is_empty()).then_some(Averages { ap_50_95, ap_50 })
     }
 
-    fn images(&self, found: &Found, label: usize, shift: i64) -> Vec<ImageBoxes> {
+    fn images(&self, found: &PhotoDetections, label: usize, shift: i64) -> Vec<ImageBoxes> {
         let boxes = |(photo, found): (&LabelledPhoto, &Vec<Detection>)| {
             let own = |is_crowd: bool| {
                 let objects = photo.objects.iter();
@@ -119,12 +120,12 @@ impl LabelledPhotos {
         self.photos.iter().zip(found).map(boxes).collect()
     }
 
-    /// Returns the least gain of a change in AP@[.5:.95], beyond the chance by which these photos and no others were taken: the lower end of a 95 %
-    /// interval over photos. `None` with too few of them.
-    pub fn least_gain(&self, before: &Found, (after, shift): (&Found, i64)) -> Option<f64> {
+    /// Returns the lower end of the 95 % bootstrap interval, over photos, of the gain in AP@[.5:.95] from `before` to `after`, whose labels are `shift`
+    /// entries further down the list. `None` with too few photos.
+    pub fn least_gain(&self, before: &PhotoDetections, after: &PhotoDetections, shift: i64) -> Option<f64> {
         let objects = self.photos.iter().flat_map(|photo| &photo.objects);
         let labels: BTreeSet<usize> = objects.map(|o| o.label).collect();
-        let ranked = |found: &Found, label: usize, shift: i64| {
+        let ranked = |found: &PhotoDetections, label: usize, shift: i64| {
             let images = self.images(found, label, shift);
             ious().map(move |iou| Ranked::new(&images, iou))
         };

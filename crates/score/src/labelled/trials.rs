@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-use crate::labelled::error::LabelledError;
 use crate::labelled::feeding::feedings;
-use crate::labelled::photos::{Averages, Found, LabelledPhotos};
+use crate::labelled::photos::PhotoDetections;
+use crate::labelled::{Averages, LabelledError, LabelledPhotos};
 use scaleproof_detect::Manifest;
 
 /// Least gain of a change that explains a difference, beyond the chance of the photos too.
@@ -36,7 +36,7 @@ pub struct Trial {
 pub fn trials(
     manifest: &Manifest,
     sample: &LabelledPhotos,
-    look: &dyn Fn(&LabelledPhotos, &Manifest, &str) -> Result<Found, LabelledError>,
+    look: &dyn Fn(&LabelledPhotos, &Manifest, &str) -> Result<PhotoDetections, LabelledError>,
 ) -> Result<Option<Trials>, LabelledError> {
     let found = look(sample, manifest, "as it is")?;
     let Some(base) = sample.averages(&found, 0) else {
@@ -51,7 +51,7 @@ pub fn trials(
         let Some(averages) = sample.averages(&fed_otherwise, feeding.shift) else {
             return Ok(None);
         };
-        let least_gain = sample.least_gain(&found, (&fed_otherwise, feeding.shift));
+        let least_gain = sample.least_gain(&found, &fed_otherwise, feeding.shift);
         let change = feeding.what;
         changed.push(Trial {
             change,

@@ -13,6 +13,6 @@ pub use cache::{Cache, Key};
 pub(crate) use decoded::DecodedPhoto;
 pub(crate) use job::ScoringJob;
 pub use observation::{NotScoredReason, Observation};
-pub(crate) use observer::{Observer, PhotoPart, Stop};
+pub(crate) use observer::{ObserveError, Observer, PhotoPart};
 pub use options::Options;
 pub(crate) use place::{PlacedModel, place};

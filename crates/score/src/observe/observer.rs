@@ -63,7 +63,7 @@ impl PhotoPart<'_> {
 
 /// Reason why a photo could not be observed.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum Stop {
+pub(crate) enum ObserveError {
     #[error(transparent)]
     Photo(#[from] NotScoredReason),
     /// Error that ends the run.
@@ -71,48 +71,49 @@ pub(crate) enum Stop {
     Run(#[from] ScoreError),
 }
 
-impl From<DetectError> for Stop {
-    fn from(error: DetectError) -> Stop {
+impl From<DetectError> for ObserveError {
+    fn from(error: DetectError) -> ObserveError {
         match error {
             DetectError::NotANumber(_) => NotScoredReason::new(error).into(),
-            error => Stop::Run(error.into()),
+            error => ObserveError::Run(error.into()),
         }
     }
 }
 
-impl From<ProgramError> for Stop {
-    fn from(error: ProgramError) -> Stop {
+impl From<ProgramError> for ObserveError {
+    fn from(error: ProgramError) -> ObserveError {
         match error {
             ProgramError::Declined(_) => NotScoredReason::new(error).into(),
-            error => Stop::Run(error.into()),
+            error => ObserveError::Run(error.into()),
         }
     }
 }
 
-impl From<Message> for Stop {
-    fn from(error: Message) -> Stop {
-        Stop::Run(error.into())
+impl From<Message> for ObserveError {
+    fn from(error: Message) -> ObserveError {
+        ObserveError::Run(error.into())
     }
 }
 
-impl From<PhotoError> for Stop {
-    fn from(e: PhotoError) -> Stop {
+impl From<PhotoError> for ObserveError {
+    fn from(e: PhotoError) -> ObserveError {
         NotScoredReason::new(e).into()
     }
 }
 
 /// Splits the reasons: the outer error ends the run, the inner one only leaves the photo out.
-fn unless_run_ends<T>(seen: Result<T, Stop>) -> Result<Result<T, NotScoredReason>, ScoreError> {
+fn unless_run_ends<T>(seen: Result<T, ObserveError>) -> Result<Result<T, NotScoredReason>, ScoreError> {
     match seen {
         Ok(seen) => Ok(Ok(seen)),
-        Err(Stop::Photo(reason)) => Ok(Err(reason)),
-        Err(Stop::Run(e)) => Err(e),
+        Err(ObserveError::Photo(reason)) => Ok(Err(reason)),
+        Err(ObserveError::Run(e)) => Err(e),
     }
 }
 
 impl<'a> Observer<'a> {
     pub(crate) fn new(
-        (families, tags): (&'a [TagFamily], TagDetectorChoice),
+        families: &'a [TagFamily],
+        tags: TagDetectorChoice,
         detectors: &'a [EvaluatedDetector],
         runtime: Option<&'static Runtime>,
         cache: Option<&'a Cache>,
@@ -139,7 +140,7 @@ impl<'a> Observer<'a> {
 
     /// Returns a photo's tags without running any detector, or the reason why they cannot be searched.
     pub(crate) fn tags_alone(&mut self, job: &ScoringJob) -> Result<Result<Observation, NotScoredReason>, ScoreError> {
-        let mut looked = || -> Result<Observation, Stop> {
+        let mut looked = || -> Result<Observation, ObserveError> {
             let photo = timed(Stage::Read, || Photo::open(&job.session.photo_path(job.entry)))?;
             let tags = self.tags(job.session, &photo)?;
             Ok(Observation {
@@ -151,7 +152,7 @@ impl<'a> Observer<'a> {
     }
 
     /// Observes a photo, tags first: no detector runs on one that cannot be placed.
-    fn observe(&mut self, job: &ScoringJob) -> Result<(Observation, PlacedModel), Stop> {
+    fn observe(&mut self, job: &ScoringJob) -> Result<(Observation, PlacedModel), ObserveError> {
         let photo = timed(Stage::Read, || Photo::open(&job.session.photo_path(job.entry)))?;
         let mut seen = Observation::unseen(&photo);
         if job.needs_tags() || job.is_checked {
@@ -173,7 +174,7 @@ impl<'a> Observer<'a> {
     }
 
     /// Returns the tags of a photo. The search stops where a pose says that nothing is missing, so that it depends on the scene and the camera, too.
-    fn tags(&mut self, session: &Session, photo: &Photo) -> Result<Vec<SeenTag>, Stop> {
+    fn tags(&mut self, session: &Session, photo: &Photo) -> Result<Vec<SeenTag>, ObserveError> {
         let scene = &session.scene;
         let camera = session.known_camera().map_err(NotScoredReason::new)?;
         let searched = format!("{:?} {:?} {:?} {camera:?}", self.families, scene.tags, scene.model);
@@ -190,7 +191,7 @@ impl<'a> Observer<'a> {
         index: usize,
         job: &ScoringJob,
         decoded: &mut DecodedPhoto,
-    ) -> Result<Vec<Detection>, Stop> {
+    ) -> Result<Vec<Detection>, ObserveError> {
         let detector = &self.detectors[index];
         let (photo, file) = (decoded.file, &job.entry.file);
         let not_recorded = || {
@@ -238,7 +239,7 @@ impl<'a> Observer<'a> {
         program: &ProgramDetector,
         job: &ScoringJob,
         decoded: &mut DecodedPhoto,
-    ) -> Result<Vec<Detection>, Stop> {
+    ) -> Result<Vec<Detection>, ObserveError> {
         let sha256 = decoded.file.sha256.clone();
         if let Some(found) = program.answered(&sha256) {
             return Ok(found);
@@ -264,7 +265,7 @@ impl<'a> Observer<'a> {
         &mut self,
         index: usize,
         part: &PhotoPart,
-        image: &mut dyn FnMut() -> Result<Arc<RgbImage>, Stop>,
+        image: &mut dyn FnMut() -> Result<Arc<RgbImage>, ObserveError>,
     ) -> Result<Result<Vec<Detection>, NotScoredReason>, ScoreError> {
         let detector = &self.detectors[index];
         unless_run_ends(match &detector.source {
@@ -327,8 +328,8 @@ impl<'a> Observer<'a> {
     fn kept<T: Serialize + serde::de::DeserializeOwned>(
         &mut self,
         key: Option<Key>,
-        compute: impl FnOnce(&mut Self) -> Result<T, Stop>,
-    ) -> Result<T, Stop> {
+        compute: impl FnOnce(&mut Self) -> Result<T, ObserveError>,
+    ) -> Result<T, ObserveError> {
         let Some((cache, key)) = self.cache.zip(key) else {
             return compute(self);
         };

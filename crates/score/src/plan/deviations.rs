@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::figures::{Comparison, Criteria, Protocol, ScoredPhoto, Scores};
-use crate::plan::planned_views;
-use crate::plan::sealed::{SealError, SealedDetector, SealedPlan, Stopping};
+use crate::plan::sealed::SealError;
+use crate::plan::{SealedDetector, SealedPlan, Stopping, planned_views};
 use scaleproof_core::files;
 
 impl SealedPlan {

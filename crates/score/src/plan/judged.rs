@@ -2,7 +2,7 @@
 
 use crate::compare::{LEVEL, MOST_HIT};
 use crate::figures::{Comparison, Effect};
-use crate::plan::sealed::{Endpoint, SealedPlan};
+use crate::plan::{Endpoint, SealedPlan};
 use scaleproof_core::statistics::{holm, mcnemar_p};
 
 impl SealedPlan {

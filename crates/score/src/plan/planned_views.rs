@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::figures::{Comparison, Course, Scores, identical_photos};
-use crate::plan::sealed::{Endpoint, SealedPlan};
+use crate::plan::{Endpoint, SealedPlan};
 use scaleproof_core::spelling::count;
 use scaleproof_plot::distinct;
 use scaleproof_pose::scene::Bin;
@@ -29,7 +29,7 @@ pub(crate) fn deviations(plan: &SealedPlan, scores: &Scores, comparison: &Compar
     let mut all = Vec::new();
     all.extend(of_places(plan, scores, comparison));
     for texture in plan.textures.keys() {
-        all.extend(missing(texture, plan, (&planned, &photos), scores, comparison));
+        all.extend(missing(texture, plan, &planned, &photos, scores, comparison));
     }
     let repeated = photos.values().filter(|photos| **photos > 1).count();
     let left_out = scores.not_scored.iter();
@@ -65,7 +65,8 @@ fn of_places(plan: &SealedPlan, scores: &Scores, comparison: &Comparison) -> Opt
 fn missing(
     texture: &str,
     plan: &SealedPlan,
-    (planned, photos): (&[Bin], &Photos),
+    planned: &[Bin],
+    photos: &Photos,
     scores: &Scores,
     comparison: &Comparison,
 ) -> Option<String> {

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::figures::{ClusteredBy, PlanCheck};
-use crate::plan::spread::Spread;
+use crate::plan::Spread;
 use scaleproof_core::files::{self, FileError};
 use scaleproof_core::message::{Message, bail, message};
 use scaleproof_detect::{Manifest, ManifestError};

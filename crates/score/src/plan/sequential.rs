@@ -3,7 +3,8 @@
 use serde::Serialize;
 
 use crate::compare::LEVEL;
-use crate::plan::views_needed::{MOST_VIEWS, PLAN_EXPERIMENTS, PlanError, Question};
+use crate::plan::views_needed::MOST_VIEWS;
+use crate::plan::{PLAN_EXPERIMENTS, PlanError, Question};
 use scaleproof_core::statistics::{Sequence, Shown};
 
 /// Multiples of the planned drop that are simulated as the real one.
@@ -54,7 +55,7 @@ pub fn sequential_plan(
         least,
         directions: directions.max(1),
     };
-    let shown_after = |(shown, after): End| match shown {
+    let shown_after = |(shown, after): Stopped| match shown {
         Some(Shown::Above) => after,
         _ => usize::MAX,
     };
@@ -84,7 +85,7 @@ pub fn sequential_plan(
 }
 
 /// First finding, and the number of views until then; `None` after all of them.
-type End = (Option<Shown>, usize);
+type Stopped = (Option<Shown>, usize);
 
 struct Looks<'a> {
     question: &'a Question,
@@ -93,13 +94,13 @@ struct Looks<'a> {
 }
 
 impl Looks<'_> {
-    fn ends(&self, drop: f64, most: usize) -> Vec<End> {
+    fn ends(&self, drop: f64, most: usize) -> Vec<Stopped> {
         (0..PLAN_EXPERIMENTS)
             .map(|experiment| self.end(experiment, drop, most))
             .collect()
     }
 
-    fn end(&self, experiment: usize, drop: f64, most: usize) -> End {
+    fn end(&self, experiment: usize, drop: f64, most: usize) -> Stopped {
         let tests = self.question.detectors * self.question.textures;
         let mut sequence = Sequence::new(self.directions, self.least).among(tests);
         let differences = self.question.view_by_view(experiment, 0, drop).take(most);
@@ -118,7 +119,7 @@ impl Looks<'_> {
     }
 }
 
-fn expected(real_drop: f64, ends: &[End]) -> Expected {
+fn expected(real_drop: f64, ends: &[Stopped]) -> Expected {
     let share = |of: Option<Shown>| ends.iter().filter(|end| end.0 == of).count() as f64 / ends.len() as f64;
     Expected {
         real_drop,

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::compare::{Cell, LEAST_SEEN, pair, view};
-use crate::figures::{ScoredPhoto, Scores, Side, variants};
+use crate::figures::{DetectorView, ScoredPhoto, Scores, variants};
 use scaleproof_core::statistics::FEWEST_CLUSTERS;
 
 /// Scatter of the differences of the confidence between two photos of a view.
@@ -68,7 +68,7 @@ type ByView = Vec<f64>;
 
 impl Observed {
     pub fn of(scores: &Scores) -> Result<Observed, FewViews> {
-        let sides: Vec<Side> = Side::each(&scores.detectors).map(|(side, _)| side).collect();
+        let sides: Vec<DetectorView> = DetectorView::each(&scores.detectors).map(|(side, _)| side).collect();
         let plain: Vec<ByView> = sides.iter().map(|side| plain(scores, *side)).collect();
         let seen: Vec<usize> = (0..sides.len()).filter(|k| mean(&plain[*k]) >= LEAST_SEEN).collect();
         let own = |all: &dyn Fn(usize) -> ByView| -> Vec<ByView> { seen.iter().map(|k| all(*k)).collect() };
@@ -116,7 +116,7 @@ fn are_enough(rows: &[ByView]) -> bool {
 }
 
 /// Returns the mean confidence of the base in each place and bin.
-fn plain(scores: &Scores, side: Side) -> ByView {
+fn plain(scores: &Scores, side: DetectorView) -> ByView {
     let counts = |photo: &&ScoredPhoto| photo.variant == scores.base && photo.repeat_of.is_none();
     let mut views: BTreeMap<_, Vec<f64>> = BTreeMap::new();
     for photo in scores.photos.iter().filter(counts) {
@@ -128,7 +128,7 @@ fn plain(scores: &Scores, side: Side) -> ByView {
     views.values().map(|row| mean(row)).collect()
 }
 
-fn differences(cells: &[Cell], side: Side) -> ByView {
+fn differences(cells: &[Cell], side: DetectorView) -> ByView {
     let sums = cells
         .iter()
         .map(|cell| view(cell, side).once)

@@ -6,7 +6,7 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
 use crate::compare::{LEVEL, missing};
-use crate::plan::spread::Spread;
+use crate::plan::Spread;
 use scaleproof_core::statistics::normal::TWO_SIDED_95;
 use scaleproof_core::statistics::{EXACT_CLUSTERS, SEED, sign_flip_critical, sign_flip_p, sign_flip_statistic};
 use scaleproof_pose::simulate::normal;

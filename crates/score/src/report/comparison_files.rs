@@ -3,10 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use crate::figures::{Comparison, Scores};
-use crate::report::error::ReportError;
 use crate::report::html::comparison as page;
 use crate::report::json::comparison::comparison_json;
-use crate::report::{charts, csv, latex};
+use crate::report::{ReportError, charts, csv, latex};
 use scaleproof_core::files;
 
 /// Writes every file of a comparison into a folder, or none, and returns the path of the page to open.

@@ -3,10 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use crate::report::csv::evaluation::{differences_csv, figures_csv};
-use crate::report::error::ReportError;
-use crate::report::evaluation::Evaluation;
 use crate::report::html::evaluation as page;
-use crate::report::latex;
+use crate::report::{Evaluation, ReportError, latex};
 use scaleproof_core::files;
 
 /// Writes every file of an evaluation into a folder, or none, and returns the path of the page to open.

@@ -54,7 +54,7 @@ pub fn export(scores: &Scores, format: ExportFormat, folder: &Path, copy: bool) 
                 labels.get(model).map_or(1, |(id, _)| *id),
             )?,
         )],
-        ExportFormat::Yolo => yolo(scores, &name_of, (&labels, model)),
+        ExportFormat::Yolo => yolo(scores, &name_of, &labels, model),
     };
     let main = texts.first().map_or(folder.to_owned(), |(name, _)| folder.join(name));
     files::make_folder(folder, |inside| {
@@ -109,7 +109,8 @@ fn labels(scores: &Scores) -> (Vec<(u32, String)>, usize) {
 fn yolo(
     scores: &Scores,
     name_of: &dyn Fn(&ScoredPhoto) -> String,
-    (labels, model): (&[(u32, String)], usize),
+    labels: &[(u32, String)],
+    model: usize,
 ) -> Vec<(String, String)> {
     let photos = scores.photos.iter();
     let list = photos.map(|photo| format!("./images/{}\n", name_of(photo)));

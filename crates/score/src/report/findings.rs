@@ -2,7 +2,7 @@
 
 use crate::compare::{paired, paired_control};
 use crate::figures::{BASE_VARIANT, Compared, Comparison, PlanCheck, Scores};
-use crate::report::evaluation::Evaluation;
+use crate::report::Evaluation;
 
 /// A run and its comparisons with a base.
 #[derive(Clone, Copy)]

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 
 use crate::evaluated::{DetectionSource, EvaluatedDetector};
-use crate::figures::{AppliedSettings, Protocol, Scores, WornPattern};
+use crate::figures::{AppliedSettings, Protocol, Scores, TexturePattern};
 use crate::report::words::counted;
 use scaleproof_core::files;
 use scaleproof_detect::{Recorded, SCORE_FLOOR};
@@ -36,7 +36,7 @@ pub(crate) struct Provenance {
     /// The sessions, with the hashes of their files.
     pub sessions: Vec<SessionProvenance>,
     /// The textures whose patterns are known (`--pattern`).
-    pub patterns: Vec<WornPattern>,
+    pub patterns: Vec<TexturePattern>,
 }
 
 #[derive(Serialize, schemars::JsonSchema)]

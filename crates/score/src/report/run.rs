@@ -1,7 +1,7 @@
 //! Content of a run's report, put together once for all writers.
 
 use crate::figures::Scores;
-use crate::report::findings::Findings;
+use crate::report::Findings;
 use crate::report::tables::RunTables;
 use scaleproof_detect::Speeds;
 

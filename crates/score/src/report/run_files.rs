@@ -3,11 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use crate::figures::Scores;
-use crate::report::error::ReportError;
 use crate::report::json::coco;
-use crate::report::run::RunReport;
-use crate::report::stale::{Before, DEFENCES, PROTOCOL, ROBUSTNESS, SUMMARY, remove_stale, results_name};
-use crate::report::{charts, csv, html, json, latex};
+use crate::report::stale::{DEFENCES, EarlierReport, PROTOCOL, ROBUSTNESS, SUMMARY, remove_stale, results_name};
+use crate::report::{ReportError, RunReport, charts, csv, html, json, latex};
 use scaleproof_core::files;
 use scaleproof_detect::{Speeds, coco_results};
 
@@ -32,12 +30,12 @@ pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<
     if let Some((defences, tables)) = scores.defences.as_ref().zip(report.tables.defended.as_ref()) {
         let [csv, tex] = DEFENCES.map(str::to_owned);
         contents.extend([
-            (csv, csv::defences::csv(scores, defences)?),
+            (csv, csv::robustness::defences(scores, defences)?),
             (tex, latex::defences::tex(scores, defences, tables)),
         ]);
     }
     if let Some(robustness) = &scores.robustness {
-        contents.push((ROBUSTNESS.to_owned(), csv::robustness::csv(scores, robustness)?));
+        contents.push((ROBUSTNESS.to_owned(), csv::robustness::robustness(scores, robustness)?));
     }
     let categories = coco::Categories::from_scores(scores);
     for (index, detector) in scores.detectors.iter().enumerate() {
@@ -51,7 +49,7 @@ pub fn write(folder: &Path, scores: &Scores, speeds: Option<&Speeds>) -> Result<
         .map(|(name, text)| (name, text.into_bytes()))
         .chain(figures);
     let files: Vec<_> = contents.map(|(name, content)| (folder.join(name), content)).collect();
-    let before = Before::in_folder(folder);
+    let before = EarlierReport::in_folder(folder);
     files::replace_all_atomically(folder, &files)?;
     remove_stale(folder, &before, &report)?;
     Ok(folder.join("report.html"))

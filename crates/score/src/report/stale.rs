@@ -4,9 +4,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use crate::report::charts;
-use crate::report::error::ReportError;
-use crate::report::run::RunReport;
+use crate::report::{ReportError, RunReport, charts};
 use scaleproof_core::files;
 use scaleproof_detect::Manifest;
 
@@ -17,8 +15,8 @@ pub(crate) const ROBUSTNESS: &str = "robustness.csv";
 
 /// Contents of an earlier report in the folder that this one may not have.
 #[derive(Deserialize, Default)]
-pub(crate) struct Before {
-    results: Vec<Reported>,
+pub(crate) struct EarlierReport {
+    results: Vec<EarlierResults>,
     #[serde(default)]
     protocol: Option<serde::de::IgnoredAny>,
     #[serde(default)]
@@ -28,12 +26,12 @@ pub(crate) struct Before {
 }
 
 #[derive(Deserialize)]
-struct Reported {
+struct EarlierResults {
     detector: String,
 }
 
-impl Before {
-    pub(crate) fn in_folder(folder: &Path) -> Before {
+impl EarlierReport {
+    pub(crate) fn in_folder(folder: &Path) -> EarlierReport {
         let summary = folder.join(SUMMARY);
         files::inputs::own(&summary);
         let text = files::read_text(&summary).unwrap_or_default();
@@ -43,7 +41,7 @@ impl Before {
 
 /// Removes files that an earlier run left and this one does not write: COCO results of other detectors, whose ids mean other photos now, and the
 /// tables and charts of a protocol, of times, of corruptions and of defences that this run does not have.
-pub(crate) fn remove_stale(folder: &Path, before: &Before, report: &RunReport) -> Result<(), ReportError> {
+pub(crate) fn remove_stale(folder: &Path, before: &EarlierReport, report: &RunReport) -> Result<(), ReportError> {
     let scores = report.scores;
     let no_longer_robustness = before.robustness.is_some() && scores.robustness.is_none();
     let mut stale = charts::files::stale(report, no_longer_robustness);

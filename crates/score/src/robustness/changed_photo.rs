@@ -6,10 +6,10 @@ use image::RgbImage;
 
 use crate::error::ScoreError;
 use crate::figures::{PhotoOutcome, ScoredPhoto, Scores};
-use crate::observe::{DecodedPhoto, NotScoredReason, Observer, PhotoPart, Stop};
-use crate::robustness::condition::{Condition, Defending};
-use crate::robustness::corrupt::{Corruption, LONGEST_PX, cut_off};
+use crate::observe::{DecodedPhoto, NotScoredReason, ObserveError, Observer, PhotoPart};
+use crate::robustness::corrupt::{LONGEST_PX, cut_off};
 use crate::robustness::joined::joined;
+use crate::robustness::{Condition, Corruption, Defending};
 use scaleproof_core::files::sha256_hex;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::message::{bail, message};
@@ -23,7 +23,7 @@ pub(crate) fn detect_under(
     scores: &Scores,
     photo: &ScoredPhoto,
     conditions: &[Condition],
-) -> Result<Seen, ScoreError> {
+) -> Result<PhotoUnderConditions, ScoreError> {
     let path = scores.sessions[photo.session].folder.join(&photo.file);
     let file = Photo::open(&path)?;
     if file.sha256 != photo.sha256 {
@@ -115,7 +115,7 @@ impl View {
         frames.into_iter().map(view).collect()
     }
 
-    fn image(&self, file: &str, reduced: &RgbImage, condition: &Condition) -> Result<RgbImage, Stop> {
+    fn image(&self, file: &str, reduced: &RgbImage, condition: &Condition) -> Result<RgbImage, ObserveError> {
         let made = match condition {
             Condition::Reduced => Some(reduced.clone()),
             Condition::Worse(kind, severity) => kind.apply(&self.frame.cut(reduced), *severity, self.seed),
@@ -176,4 +176,4 @@ fn judged(scores: &Scores, photo: &ScoredPhoto, truth: BoxPx, mut detections: Ve
 }
 
 /// A photo under each condition, or the reason why it has no detections there.
-pub(crate) type Seen = Vec<Result<ScoredPhoto, NotScoredReason>>;
+pub(crate) type PhotoUnderConditions = Vec<Result<ScoredPhoto, NotScoredReason>>;

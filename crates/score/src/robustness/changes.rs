@@ -4,10 +4,9 @@ use std::collections::BTreeMap;
 
 use crate::compare::{compare_set, decide_families};
 use crate::error::ScoreError;
-use crate::figures::{Compared, Held, ScoredPhoto, ScoredSet, Scores, UNDEFENDED};
+use crate::figures::{Compared, PairedDifference, ScoredPhoto, ScoredSet, Scores, UNDEFENDED};
 use crate::observe::Options;
-use crate::robustness::changed_photo::Seen;
-use crate::robustness::condition::per_condition;
+use crate::robustness::{PhotoUnderConditions, per_condition};
 use scaleproof_plot::distinct;
 
 /// Variant of unchanged photos where they stand for a texture: no texture is called so.
@@ -17,21 +16,21 @@ const UNCHANGED: &str = "\u{1}";
 /// detector and variant are tested together.
 pub(crate) fn changes(
     scores: &Scores,
-    photos: &[Seen],
+    photos: &[PhotoUnderConditions],
     conditions: usize,
     options: &Options,
-) -> Result<Vec<Vec<Held>>, ScoreError> {
+) -> Result<Vec<Vec<PairedDifference>>, ScoreError> {
     let mut all = per_condition(options, conditions, |at| compared(scores, photos, at))?;
     for own in families(&mut all) {
         // A base that was not seen before may be seen after a defence.
         decide_families(vec![own], 0.0);
     }
-    let held = |own: Vec<Compared>| {
+    let differences = |own: Vec<Compared>| {
         own.into_iter()
-            .map(|compared| Held::new(UNDEFENDED, compared))
+            .map(|compared| PairedDifference::new(UNDEFENDED, compared))
             .collect()
     };
-    Ok(all.into_iter().map(held).collect())
+    Ok(all.into_iter().map(differences).collect())
 }
 
 /// Groups comparisons that are tested together: the same detector and variant under all conditions.
@@ -45,7 +44,7 @@ fn families(all: &mut [Vec<Compared>]) -> impl Iterator<Item = Vec<&mut Compared
 }
 
 /// Compares photos under one condition. A photo pairs with itself: both sides have the same photos in the same order.
-fn compared(scores: &Scores, photos: &[Seen], at: usize) -> Vec<Compared> {
+fn compared(scores: &Scores, photos: &[PhotoUnderConditions], at: usize) -> Vec<Compared> {
     if at == 0 {
         return Vec::new();
     }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::error::ScoreError;
 use crate::observe::Options;
-use crate::robustness::corrupt::Corruption;
+use crate::robustness::Corruption;
 use scaleproof_core::workers;
 use scaleproof_detect::ProgramDefence;
 use scaleproof_photo::defence::Defence;

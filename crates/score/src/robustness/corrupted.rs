@@ -1,13 +1,10 @@
 //! Comparisons of a run on photos that are corrupted.
 
 use crate::error::ScoreError;
-use crate::figures::{CorruptedRow, Held, Robustness, Scores, Survival};
+use crate::figures::{CorruptedRow, PairedDifference, Robustness, Scores, Survival};
 use crate::observe::Options;
-use crate::robustness::SEVERITIES;
 use crate::robustness::changes::changes;
-use crate::robustness::condition::Condition;
-use crate::robustness::corrupt::Corruption;
-use crate::robustness::rerun::Again;
+use crate::robustness::{Condition, Corruption, Rerun, SEVERITIES};
 use scaleproof_plot::distinct;
 
 /// Runs the detectors on every photo of a run again, at each severity of each of these corruptions, and compares the variants with the base, and with
@@ -22,12 +19,12 @@ pub fn under_corruption(
     let worse = kinds
         .iter()
         .flat_map(|kind| (1..=SEVERITIES).map(|severity| Condition::Worse(*kind, severity)));
-    let again = Again::of(scores, worse, options, on_photo)?;
-    again
-        .map(|again| {
-            let cautions = again.left_out(scores, "made worse");
-            let changes = changes(scores, &again.photos, again.conditions.len(), options)?;
-            Ok(together(&kinds, again.held, changes, cautions))
+    let rerun = Rerun::of(scores, worse, options, on_photo)?;
+    rerun
+        .map(|rerun| {
+            let cautions = rerun.left_out(scores, "made worse");
+            let changes = changes(scores, &rerun.photos, rerun.conditions.len(), options)?;
+            Ok(together(&kinds, rerun.differences, changes, cautions))
         })
         .transpose()
 }
@@ -36,35 +33,37 @@ pub fn under_corruption(
 /// corruption's severities.
 fn together(
     corruptions: &[Corruption],
-    compared: Vec<Vec<Held>>,
-    changes: Vec<Vec<Held>>,
+    compared: Vec<Vec<PairedDifference>>,
+    changes: Vec<Vec<PairedDifference>>,
     cautions: Vec<String>,
 ) -> Robustness {
     let mut compared = compared.into_iter();
     let clean = compared.next().unwrap_or_default();
     let (mut rows, mut survival) = (Vec::new(), Vec::new());
-    let row = |kind: Corruption, severity: u8, held: Held| CorruptedRow {
+    let row = |kind: Corruption, severity: u8, difference: PairedDifference| CorruptedRow {
         corruption: kind.name(),
         severity,
         amount: kind.amount(severity),
-        held,
+        difference,
     };
     let steps = corruptions
         .iter()
         .flat_map(|kind| (1..=SEVERITIES).map(|severity| (*kind, severity)));
     let changes = steps.zip(changes.into_iter().skip(1));
-    let changes =
-        changes.flat_map(|((kind, severity), own)| own.into_iter().map(move |held| row(kind, severity, held)));
+    let changes = changes
+        .flat_map(|((kind, severity), own)| own.into_iter().map(move |difference| row(kind, severity, difference)));
     let changes = changes.collect();
     for kind in corruptions {
         let start = rows.len();
-        let row = |severity, held| row(*kind, severity, held);
-        rows.extend(clean.iter().cloned().map(|held| row(0, held)));
+        let row = |severity, difference| row(*kind, severity, difference);
+        rows.extend(clean.iter().cloned().map(|difference| row(0, difference)));
         for (severity, worse) in (1..=SEVERITIES).zip(compared.by_ref()) {
-            rows.extend(worse.into_iter().map(|held| row(severity, held)));
+            rows.extend(worse.into_iter().map(|difference| row(severity, difference)));
         }
         let own: &[CorruptedRow] = &rows[start..];
-        let same = |first: &CorruptedRow| Survival::of(first, own.iter().filter(|row| row.held.is_as(&first.held)));
+        let same = |first: &CorruptedRow| {
+            Survival::of(first, own.iter().filter(|row| row.difference.is_as(&first.difference)))
+        };
         survival.extend(own[..clean.len()].iter().map(same));
     }
     Robustness {

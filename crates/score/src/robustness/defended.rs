@@ -1,13 +1,12 @@
 //! Comparisons of a run on defended photos, and of photos with a defence with the same photos without it.
 
 use crate::error::ScoreError;
-use crate::figures::{DefenceCard, Defences, DefendedRow, Held, Scores, UNDEFENDED};
+use crate::figures::{DefenceCard, Defences, DefendedRow, PairedDifference, Scores, UNDEFENDED};
 use crate::observe::Options;
 use crate::robustness::changes::changes;
-use crate::robustness::condition::{Condition, Defending};
-use crate::robustness::rerun::Again;
+use crate::robustness::{Condition, Defending, Rerun};
 
-/// Runs the detectors on every photo of a run again, under each of these defences, and compares the variants as [`crate::robustness::corrupted::under_corruption`] does.
+/// Runs the detectors on every photo of a run again, under each of these defences, and compares the variants as [`crate::under_corruption`] does.
 /// `None` where no photos pair.
 pub fn under_defences(
     scores: &Scores,
@@ -16,30 +15,31 @@ pub fn under_defences(
     on_photo: impl Fn() + Sync,
 ) -> Result<Option<Defences>, ScoreError> {
     let defended = defences.iter().cloned().map(Condition::Defended);
-    let Some(again) = Again::of(scores, defended, options, on_photo)? else {
+    let Some(rerun) = Rerun::of(scores, defended, options, on_photo)? else {
         return Ok(None);
     };
     let names: Vec<String> = std::iter::once(UNDEFENDED.to_owned())
         .chain(defences.iter().map(Defending::name))
         .collect();
-    let named = |of_each: Vec<Vec<Held>>| -> Vec<DefendedRow> {
+    let named = |of_each: Vec<Vec<PairedDifference>>| -> Vec<DefendedRow> {
         let of_each = names.iter().zip(of_each);
-        let rows = of_each.flat_map(|(name, own)| own.into_iter().map(move |held| (name.clone(), held)));
-        rows.map(|(defence, held)| DefendedRow { defence, held }).collect()
+        let rows = of_each.flat_map(|(name, own)| own.into_iter().map(move |difference| (name.clone(), difference)));
+        rows.map(|(defence, difference)| DefendedRow { defence, difference })
+            .collect()
     };
-    let changed = changes(scores, &again.photos, again.conditions.len(), options)?;
+    let changed = changes(scores, &rerun.photos, rerun.conditions.len(), options)?;
     let notes = defences.iter().filter_map(|defence| match defence {
         Defending::Program(program) => Some(program.card().notes.clone()),
         Defending::Published(_) => None,
     });
     Ok(Some(Defences {
         defences: defences.iter().map(card).collect(),
-        cautions: again
+        cautions: rerun
             .left_out(scores, "defended")
             .into_iter()
             .chain(notes.flatten())
             .collect(),
-        rows: named(again.held),
+        rows: named(rerun.differences),
         changes: named(changed),
     }))
 }

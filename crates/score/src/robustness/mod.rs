@@ -10,8 +10,11 @@ pub mod defended; // comparisons under every defence
 pub mod joined; // detections of several crops of one photo
 pub mod rerun; // the detectors once more, on changed photos
 
+pub(crate) use changed_photo::PhotoUnderConditions;
 pub use check::check_changeable;
 pub use condition::Defending;
+pub(crate) use condition::{Condition, per_condition};
 pub use corrupt::{Corruption, SEVERITIES};
 pub use corrupted::under_corruption;
 pub use defended::under_defences;
+pub(crate) use rerun::Rerun;

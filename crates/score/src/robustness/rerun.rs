@@ -3,21 +3,21 @@
 use crate::compare::{compare_set, pairs};
 use crate::error::ScoreError;
 use crate::evaluated::runtime;
-use crate::figures::{Held, ScoredPhoto, ScoredSet, Scores, is_control};
+use crate::figures::{PairedDifference, ScoredPhoto, ScoredSet, Scores, is_control};
 use crate::observe::{Observer, Options};
-use crate::robustness::changed_photo::{Seen, detect_under};
-use crate::robustness::condition::{Condition, per_condition};
+use crate::robustness::changed_photo::detect_under;
+use crate::robustness::{Condition, PhotoUnderConditions, per_condition};
 use scaleproof_core::workers;
 use scaleproof_plot::distinct;
 
 /// Photos of a run under some conditions, and its comparisons there. The first condition is no more than reduced.
-pub(crate) struct Again {
+pub(crate) struct Rerun {
     pub conditions: Vec<Condition>,
-    pub photos: Vec<Seen>,
-    pub held: Vec<Vec<Held>>,
+    pub photos: Vec<PhotoUnderConditions>,
+    pub differences: Vec<Vec<PairedDifference>>,
 }
 
-impl Again {
+impl Rerun {
     /// Runs the detectors and compares the variants; `None` where no photos pair.
     pub fn of(
         scores: &Scores,
@@ -30,12 +30,14 @@ impl Again {
             return Ok(None);
         }
         let conditions: Vec<Condition> = std::iter::once(Condition::Reduced).chain(changed).collect();
-        let photos = looked(scores, &conditions, options, on_photo)?;
-        let held = per_condition(options, conditions.len(), |at| held(scores, &compared, &photos, at))?;
+        let photos = detect_all(scores, &conditions, options, on_photo)?;
+        let differences = per_condition(options, conditions.len(), |at| {
+            differences(scores, &compared, &photos, at)
+        })?;
         Ok(Some(Self {
             conditions,
             photos,
-            held,
+            differences,
         }))
     }
 
@@ -60,25 +62,30 @@ impl Again {
 }
 
 /// Runs the detectors on every photo of a run under every condition.
-fn looked(
+fn detect_all(
     scores: &Scores,
     conditions: &[Condition],
     options: &Options,
     on_photo: impl Fn() + Sync,
-) -> Result<Vec<Seen>, ScoreError> {
+) -> Result<Vec<PhotoUnderConditions>, ScoreError> {
     let (detectors, cache) = (&scores.detectors, options.cache.as_ref());
     let runtime = runtime(detectors)?;
     workers::map_over(
         options.threads,
         &scores.photos,
-        || Observer::new((&[], options.tags), detectors, runtime, cache, scores.photos.len()),
+        || Observer::new(&[], options.tags, detectors, runtime, cache, scores.photos.len()),
         |observer, photo| detect_under(observer, scores, photo, conditions),
         on_photo,
     )
 }
 
 /// Returns the comparisons of one condition.
-pub(crate) fn held(scores: &Scores, compared: &[(&str, &str)], photos: &[Seen], at: usize) -> Vec<Held> {
+pub(crate) fn differences(
+    scores: &Scores,
+    compared: &[(&str, &str)],
+    photos: &[PhotoUnderConditions],
+    at: usize,
+) -> Vec<PairedDifference> {
     let own = photos.iter().filter_map(|photo| photo[at].as_ref().ok().cloned());
     let photos: Vec<ScoredPhoto> = own.collect();
     let set = ScoredSet {
@@ -89,7 +96,12 @@ pub(crate) fn held(scores: &Scores, compared: &[(&str, &str)], photos: &[Seen], 
     for (base, other) in compared {
         // Without pairs, because too many photos have no detections, the condition has no row.
         if let Ok(comparison) = compare_set(set, base, &[other], scores.criteria.ap) {
-            all.extend(comparison.results.into_iter().map(|compared| Held::new(base, compared)));
+            all.extend(
+                comparison
+                    .results
+                    .into_iter()
+                    .map(|compared| PairedDifference::new(base, compared)),
+            );
         }
     }
     all

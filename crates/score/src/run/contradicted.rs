@@ -28,7 +28,7 @@ const LONE_HALF_DEG: f64 = 22.5;
 const LEAST_IOU: f64 = 0.3;
 
 /// Result of observing a photo.
-pub(crate) struct Judged {
+pub(crate) struct JudgedPhoto {
     pub photo: Result<ScoredPhoto, NotScored>,
     /// Contradiction between its tags and the list, where the tags were searched.
     pub contradiction: Option<NotScoredReason>,
@@ -54,7 +54,7 @@ pub(crate) fn draw(jobs: &mut [ScoringJob]) {
 }
 
 /// Returns the photos, by index, whose tags have to be searched because others of their session contradict the list.
-pub(crate) fn left_open(jobs: &[ScoringJob], judged: &[Judged]) -> Vec<usize> {
+pub(crate) fn left_open(jobs: &[ScoringJob], judged: &[JudgedPhoto]) -> Vec<usize> {
     let doubted = doubted(jobs, judged);
     let is_open = |at: &usize| {
         let (job, photo) = (&jobs[*at], &judged[*at].photo);
@@ -65,9 +65,9 @@ pub(crate) fn left_open(jobs: &[ScoringJob], judged: &[Judged]) -> Vec<usize> {
 
 /// Returns the photos; in a session whose list a photo contradicts that every run checks, those that contradict it are left out. Contradictions that
 /// shards alone found change nothing.
-pub(crate) fn refused(jobs: &[ScoringJob], judged: Vec<Judged>) -> Vec<Result<ScoredPhoto, NotScored>> {
+pub(crate) fn refused(jobs: &[ScoringJob], judged: Vec<JudgedPhoto>) -> Vec<Result<ScoredPhoto, NotScored>> {
     let doubted = doubted(jobs, &judged);
-    let refused = |(job, judged): (&ScoringJob, Judged)| match judged.contradiction {
+    let refused = |(job, judged): (&ScoringJob, JudgedPhoto)| match judged.contradiction {
         Some(reason) if doubted.contains(&job.session_index) => judged.photo.and(Err(job.left_out(reason))),
         _ => judged.photo,
     };
@@ -75,9 +75,10 @@ pub(crate) fn refused(jobs: &[ScoringJob], judged: Vec<Judged>) -> Vec<Result<Sc
 }
 
 /// Returns the sessions, by index, whose list a photo contradicts that every run checks.
-fn doubted(jobs: &[ScoringJob], judged: &[Judged]) -> BTreeSet<usize> {
-    let is_contradicted =
-        |(job, judged): &(&ScoringJob, &Judged)| (job.is_checked || job.needs_tags()) && judged.contradiction.is_some();
+fn doubted(jobs: &[ScoringJob], judged: &[JudgedPhoto]) -> BTreeSet<usize> {
+    let is_contradicted = |(job, judged): &(&ScoringJob, &JudgedPhoto)| {
+        (job.is_checked || job.needs_tags()) && judged.contradiction.is_some()
+    };
     let contradicted = jobs.iter().zip(judged).filter(is_contradicted);
     contradicted.map(|(job, _)| job.session_index).collect()
 }

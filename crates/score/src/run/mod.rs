@@ -2,8 +2,8 @@
 
 pub mod contradicted; // lists of photos that tags contradict
 pub mod left_out; // reasons why photos were left out, and the cause that most share
-pub mod record; // detections stored with the sessions
-pub mod score; // the run over all photos
+pub(crate) mod record; // detections stored with the sessions
+pub(crate) mod score; // the run over all photos
 pub mod shard; // a large run in parts
 pub mod timed; // times of the stages of the work
 

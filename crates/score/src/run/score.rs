@@ -8,7 +8,7 @@ use crate::evaluated::{EvaluatedDetector, runtime};
 use crate::figures::{Criteria, NotScored, PhotoOutcome, ScoredPhoto, Scores, TagMark};
 use crate::observe::{NotScoredReason, Observation, Observer, Options, PlacedModel, ScoringJob, place};
 use crate::run::contradicted;
-use crate::run::contradicted::Judged;
+use crate::run::contradicted::JudgedPhoto;
 use crate::run::shard::{ShardId, ShardObservations};
 use scaleproof_core::message::{bail, message};
 use scaleproof_core::workers;
@@ -118,11 +118,11 @@ fn over_photos<T: Sync, R: Send>(
     let families = sessions.iter().flat_map(|s| s.scene.families());
     let families: Vec<_> = families.collect::<BTreeSet<_>>().into_iter().collect();
     let photos = sessions.iter().map(|s| s.photos.len()).sum();
-    let (tags, cache) = ((families.as_slice(), options.tags), options.cache.as_ref());
+    let cache = options.cache.as_ref();
     workers::map_over(
         options.threads,
         items,
-        || Observer::new(tags, detectors, runtime, cache, photos),
+        || Observer::new(&families, options.tags, detectors, runtime, cache, photos),
         |observer, item| {
             if options.stop.load(Ordering::Relaxed) {
                 bail!("the run was stopped");
@@ -157,9 +157,9 @@ fn judge(
     job: &ScoringJob,
     detectors: &[EvaluatedDetector],
     seen: Result<(Observation, PlacedModel), NotScored>,
-) -> Judged {
+) -> JudgedPhoto {
     let looked = seen.as_ref().ok();
-    Judged {
+    JudgedPhoto {
         contradiction: looked.and_then(|(observation, _)| contradicted::contradiction(job, observation)),
         photo: seen.map(|(observation, place)| scored(job, detectors, observation, place)),
     }

@@ -26,7 +26,7 @@ pub fn timed_photos(
     let jobs = ScoringJob::all(sessions);
     let families = session.scene.families().into_iter().collect::<Vec<_>>();
     let (tags, runtime) = (TagDetectorChoice::default(), runtime(detectors)?);
-    let mut observer = Observer::new((&families, tags), detectors, runtime, None, jobs.len())?;
+    let mut observer = Observer::new(&families, tags, detectors, runtime, None, jobs.len())?;
     let mut timed = Vec::new();
     for round in 0..=rounds {
         let (mut photos, mut left_out) = (Vec::new(), None);

@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::rows::{ImportFault, ImportedPhoto, ImportedRows, viewpoint};
 use crate::conditions::{is_name, scalar};
-use crate::list::{PhotoEntry, words};
+use crate::list::{PhotoEntry, parse_message};
 use scaleproof_core::coco::{self, Annotation, Category, File};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_pose::scene::Classes;
@@ -51,7 +51,8 @@ struct About {
 /// Parses COCO's `images`, `annotations` and `categories`; a box of any label of `class` is the model's. An image or its annotation's `attributes`
 /// may have `variant`, `place`, `azimuth_deg`, `pitch_deg` and `distance_mm`.
 pub fn parse(text: &str, class: &Classes) -> Result<ImportedRows, ImportFault> {
-    let fault = |e: serde_json::Error| ImportFault::at(format!("line {}", e.line()), words(&e, "COCO annotations"));
+    let fault =
+        |e: serde_json::Error| ImportFault::at(format!("line {}", e.line()), parse_message(&e, "COCO annotations"));
     let file: File<Image, Attributes> = serde_json::from_str(text).map_err(fault)?;
     let boxes = boxes(&file, class)?;
     let mut ids = BTreeSet::new();

@@ -122,7 +122,7 @@ fn rows_of(
     // The detectors of one variant after the other, as they were compared.
     for of_variant in rows.chunk_by_mut(|a, b| a.variant == b.variant) {
         let variant = of_variant[0].variant.clone();
-        let moved = usual.map(|usual| moved_drops(usual, (scores, definition), (base, &variant)));
+        let moved = usual.map(|(usual, by)| moved_drops(usual, by, scores, definition, base, &variant));
         for (row, moved) in of_variant.iter_mut().zip(moved.into_iter().flatten()) {
             (row.moved_by, row.moved_by_95) = (Some(moved.by), moved.interval_95);
         }

@@ -24,7 +24,7 @@ use scaleproof_pose::scene::{Classes, Scene, Viewpoint};
 use scaleproof_score::Summary;
 use scaleproof_score::report;
 use scaleproof_score::{
-    ApDefinition, BASE_VARIANT, Comparison, EvaluatedDetector, Scores, WornPattern, compare_with, decide,
+    ApDefinition, BASE_VARIANT, Comparison, EvaluatedDetector, Scores, TexturePattern, compare_with, decide,
     evaluated_detectors,
 };
 use scaleproof_session::Session;
@@ -154,7 +154,7 @@ fn comparisons(scores: &Scores, variants: &[String]) -> Result<Vec<Comparison>> 
     Ok(compared)
 }
 
-type Paints = (Vec<String>, Vec<RenderPaint>, Vec<WornPattern>);
+type Paints = (Vec<String>, Vec<RenderPaint>, Vec<TexturePattern>);
 
 impl EvaluateArgs {
     /// The names of what the model wears, and the paints: the plain model's, then patterns and textures in the order of the command; and what

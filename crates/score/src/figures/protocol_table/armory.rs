@@ -1,5 +1,6 @@
 //! Armory's rates of an image, and its AP.
 
+use crate::figures::Thresholds;
 use scaleproof_core::ap::{ImageBoxes, Ranked};
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_detect::Detection;
@@ -13,12 +14,9 @@ pub struct ArmoryRates {
     pub hallucinations: usize,
 }
 
-/// Computes the rates of one image with at least one truth, each with the labels that are right for it.
-pub fn armory_rates(
-    truths: &[(&[usize], BoxPx)],
-    detections: &[Detection],
-    (iou, confidence): (f64, f64),
-) -> ArmoryRates {
+/// Computes the rates of one image with at least one truth, each with the labels that are right for it; detections must exceed the thresholds.
+pub fn armory_rates(truths: &[(&[usize], BoxPx)], detections: &[Detection], least: Thresholds) -> ArmoryRates {
+    let Thresholds { confidence, iou } = least;
     let strong = || detections.iter().filter(|d| d.score > confidence);
     let meets = |d: &Detection, truth: &BoxPx| d.box_px.iou(truth) > iou;
     let share = |is_right: bool| {

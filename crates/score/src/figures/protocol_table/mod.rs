@@ -11,7 +11,7 @@ use crate::evaluated::EvaluatedDetector;
 use crate::figures::protocol_table::apricot::targeted_ap;
 use crate::figures::protocol_table::armory::{armory_ap, armory_rates};
 use crate::figures::thresholds::MATCH_IOU;
-use crate::figures::{Protocol, ScoredPhoto, Scores, Side, Summary, variants};
+use crate::figures::{DetectorView, Protocol, ScoredPhoto, Scores, Summary, Thresholds, variants};
 use scaleproof_core::ap::average_precision_as;
 use scaleproof_core::geometry::BoxPx;
 use scaleproof_core::spelling::digits;
@@ -99,25 +99,25 @@ fn by_texture(
     )
 }
 
-struct Shown<'a> {
-    side: Side<'a>,
+struct TexturePhotos<'a> {
+    side: DetectorView<'a>,
     detector: &'a EvaluatedDetector,
     photos: Vec<&'a ScoredPhoto>,
 }
 
-impl Shown<'_> {
+impl TexturePhotos<'_> {
     fn mean(&self, of: impl Fn(&ScoredPhoto) -> f64) -> f64 {
         self.photos.iter().map(|p| of(p)).sum::<f64>() / self.photos.len() as f64
     }
 }
 
 /// Returns a row for each detector and texture: their names, the number of photos, and `cells`.
-fn rows(scores: &Scores, cells: fn(&Scores, &Shown) -> Vec<String>) -> Vec<Vec<String>> {
+fn rows(scores: &Scores, cells: fn(&Scores, &TexturePhotos) -> Vec<String>) -> Vec<Vec<String>> {
     let mut rows = Vec::new();
-    for (side, detector) in Side::each(&scores.detectors) {
+    for (side, detector) in DetectorView::each(&scores.detectors) {
         for variant in variants(&scores.photos, &scores.base) {
             let photos = scores.photos.iter().filter(|p| p.variant == variant).collect();
-            let shown = Shown { side, detector, photos };
+            let shown = TexturePhotos { side, detector, photos };
             let head = [detector.manifest.title.clone(), variant, shown.photos.len().to_string()];
             rows.push(head.into_iter().chain(cells(scores, &shown)).collect());
         }
@@ -125,12 +125,15 @@ fn rows(scores: &Scores, cells: fn(&Scores, &Shown) -> Vec<String>) -> Vec<Vec<S
     rows
 }
 
-fn armory(scores: &Scores, shown: &Shown) -> Vec<String> {
+fn armory(scores: &Scores, shown: &TexturePhotos) -> Vec<String> {
     let (criteria, side) = (&scores.criteria, shown.side);
-    let least = (criteria.match_iou(), criteria.hit_confidence);
+    let least = Thresholds {
+        confidence: criteria.hit_confidence,
+        iou: criteria.match_iou(),
+    };
     let of = |p: &ScoredPhoto| armory_rates(&[(side.counted, p.truth)], &p.detections[side.detector], least);
     vec![
-        armory_digits(armory_ap(&side.images(shown.photos.iter().copied()), least.0)),
+        armory_digits(armory_ap(&side.images(shown.photos.iter().copied()), least.iou)),
         digits(shown.mean(|p| of(p).disappearance), 2),
         digits(shown.mean(|p| of(p).hallucinations as f64), 2),
         digits(shown.mean(|p| of(p).misclassification), 2),
@@ -138,7 +141,7 @@ fn armory(scores: &Scores, shown: &Shown) -> Vec<String> {
     ]
 }
 
-fn apricot<'a>(scores: &Scores, shown: &Shown<'a>) -> Vec<String> {
+fn apricot<'a>(scores: &Scores, shown: &TexturePhotos<'a>) -> Vec<String> {
     let iou = scores.criteria.match_iou();
     let image = |p: &&'a ScoredPhoto| (p.truth, p.detections[shown.side.detector].as_slice());
     let images: Vec<(BoxPx, &[Detection])> = shown.photos.iter().map(image).collect();
@@ -170,7 +173,7 @@ fn padetbench(scores: &Scores) -> Vec<Vec<String>> {
     let parts: BTreeSet<&String> = own.filter(|part| *part != ENTIRE).collect();
     let mut rows = Vec::new();
     for s in &scores.summaries {
-        let Some(side) = Side::named(&scores.detectors, &s.detector) else {
+        let Some(side) = DetectorView::named(&scores.detectors, &s.detector) else {
             continue;
         };
         let row = |benchmark: &str, ap: f64, mar: f64, asr: Option<f64>| {
@@ -200,7 +203,7 @@ fn padetbench(scores: &Scores) -> Vec<Vec<String>> {
 }
 
 /// Returns AP and recall at IoU 0.5 of the photos of one part of the benchmark.
-fn part_figures(scores: &Scores, side: Side, variant: &str, part: &str) -> Option<(f64, f64)> {
+fn part_figures(scores: &Scores, side: DetectorView, variant: &str, part: &str) -> Option<(f64, f64)> {
     let own = |p: &&ScoredPhoto| p.variant == variant && p.conditions.get(BENCHMARK).is_some_and(|b| b == part);
     let images = side.images(scores.photos.iter().filter(own));
     let found = average_precision_as(scores.criteria.ap, &images, MATCH_IOU)?;

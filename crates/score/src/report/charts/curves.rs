@@ -15,15 +15,15 @@ pub(crate) fn charts(scores: &Scores) -> Vec<(&str, [Drawing; 2])> {
             Some((colour(i), all.iter().find(is_own)?))
         });
         let (title, own) = (c.manifest.title.as_str(), own.collect::<Vec<_>>());
-        let found = found(title, &own, scores.criteria.hit_confidence);
+        let found = found_chart(title, &own, scores.criteria.hit_confidence);
         (title, [found, precision_recall(title, &own)])
     });
     of.collect()
 }
 
-type Own<'a> = [(Colour, &'a Curves)];
+type ColouredCurves<'a> = [(Colour, &'a Curves)];
 
-fn found(title: &str, own: &Own, hit_confidence: f64) -> Drawing {
+fn found_chart(title: &str, own: &ColouredCurves, hit_confidence: f64) -> Drawing {
     let mut content = Vec::new();
     for (colour, curve) in own {
         let rates = curve.hit_rate.iter().map(|p| SQUARE.at(p.confidence, p.rate.rate));
@@ -36,7 +36,7 @@ fn found(title: &str, own: &Own, hit_confidence: f64) -> Drawing {
     chart(label, ["confidence", "share found"], content)
 }
 
-fn precision_recall(title: &str, own: &Own) -> Drawing {
+fn precision_recall(title: &str, own: &ColouredCurves) -> Drawing {
     let line = |(colour, curve): &(Colour, &Curves)| {
         let points = curve.precision_recall.iter().map(|p| SQUARE.at(p.recall, p.precision));
         Mark::polyline(points, *colour, 2.0)

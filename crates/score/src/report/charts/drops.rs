@@ -1,10 +1,9 @@
 //! Charts of drops with their intervals and numbers, a row for each detector and texture.
 
 use crate::figures::{Compared, Comparison, Difference, Scores};
+use crate::report::Findings;
 use crate::report::charts::intervals;
-use crate::report::findings::Findings;
-use crate::report::words::numbers::number;
-use crate::report::words::{certainty, paired};
+use crate::report::words::{certainty, number, paired};
 use scaleproof_plot::Anchor::{End, Middle, Start};
 use scaleproof_plot::{BLACK, Drawing, FAINT, INK, Mark, NOTE, WHITE};
 

@@ -2,9 +2,8 @@
 
 use crate::figures::{Comparison, Scores};
 use crate::report::charts::{colours, curves, drops, heat, intervals, polar, reliability, robustness, speed};
-use crate::report::error::ReportError;
-use crate::report::run::RunReport;
 use crate::report::words::certainty;
+use crate::report::{ReportError, RunReport};
 use scaleproof_plot::{Drawing, Explained, figure};
 
 /// Name of the chart that a report has only when something is compared.
@@ -19,12 +18,7 @@ const ROBUSTNESS: &str = "robustness";
 pub(crate) type File = (String, Vec<u8>);
 
 pub(crate) fn of_run(report: &RunReport) -> Result<Vec<File>, ReportError> {
-    let RunReport {
-        scores,
-        findings,
-        speeds,
-        ..
-    } = *report;
+    let (scores, findings, speeds) = (report.scores, report.findings, report.speeds);
     let textures = || colours::legend(scores);
     let (found, precision_recall): (Vec<_>, Vec<_>) = curves::charts(scores)
         .into_iter()

@@ -5,8 +5,7 @@ use std::collections::BTreeSet;
 use crate::evaluated::EvaluatedDetector;
 use crate::figures::{CellFigures, Scores, Summary};
 use crate::report::charts::shade::{ink, shade};
-use crate::report::words::direction::side;
-use crate::report::words::numbers::number;
+use crate::report::words::{number, side};
 use scaleproof_plot::Anchor::{End, Middle, Start};
 use scaleproof_plot::{BLACK, Colour, Drawing, Mark, NOTE, WHITE};
 use scaleproof_pose::scene::Bin;
@@ -97,7 +96,7 @@ pub(crate) fn map(scores: &Scores, detector: &EvaluatedDetector, azimuths: &[f64
     }
 }
 
-fn found<'a>(s: &'a Summary, bin: &Bin) -> Option<&'a CellFigures> {
+fn cell_figures<'a>(s: &'a Summary, bin: &Bin) -> Option<&'a CellFigures> {
     s.cells.iter().find(|c| c.bin == *bin)
 }
 
@@ -105,7 +104,7 @@ fn found<'a>(s: &'a Summary, bin: &Bin) -> Option<&'a CellFigures> {
 fn cell(s: &Summary, bin: &Bin) -> Vec<Mark> {
     let area = Mark::rect([-CELL.0 / 2.0, 0.0], [CELL.0, CELL.1]).outlined(Colour(0xc3cad2), 0.7);
     let text = |y: f64, size: f64, colour: Colour, words: String| Mark::text([0.0, y], size, Middle, colour, words);
-    let Some(CellFigures { figures: f, .. }) = found(s, bin) else {
+    let Some(CellFigures { figures: f, .. }) = cell_figures(s, bin) else {
         return vec![area.filled(WHITE), text(17.0, 10.5, NOTE, "–".to_owned())];
     };
     let ink = ink(f.mean_confidence);
@@ -122,7 +121,7 @@ pub(crate) fn title(s: &Summary, bin: &Bin) -> String {
         "{}, {}, {}° × {}° × {} mm",
         s.detector, s.variant, bin.azimuth_deg, bin.pitch_deg, bin.distance_mm
     );
-    let Some(CellFigures { figures: f, .. }) = found(s, bin) else {
+    let Some(CellFigures { figures: f, .. }) = cell_figures(s, bin) else {
         return format!("{place}: no photo");
     };
     let r = &f.hit_rate;

@@ -1,10 +1,9 @@
 //! Chart of the drop of the mean confidence of each detector: a dot and a whisker for each texture.
 
 use crate::figures::{Compared, Scores};
+use crate::report::Findings;
 use crate::report::charts::colours::colour;
-use crate::report::findings::Findings;
-use crate::report::words::numbers::number;
-use crate::report::words::paired;
+use crate::report::words::{number, paired};
 use scaleproof_plot::Anchor::{End, Middle, Start};
 use scaleproof_plot::{BLACK, Colour, Drawing, FAINT, INK, Mark, NOTE, WHITE, distinct};
 
@@ -44,9 +43,7 @@ pub(crate) fn colour_of(scores: &Scores, texture: &str) -> Colour {
 
 /// Draws a row for each detector, and in it a line for each texture.
 pub(crate) fn chart(findings: Findings) -> Drawing {
-    let Findings {
-        scores, results, base, ..
-    } = findings;
+    let (scores, results, base) = (findings.scores, findings.results, findings.base);
     let textures = textures(results);
     let row = LINE * textures.len() as f64 + GAP;
     let height = row * scores.detectors.len() as f64;
@@ -103,7 +100,7 @@ fn line(scores: &Scores, r: &Compared, base: &str, y: f64, x: &dyn Fn(f64) -> f6
         .interval_95
         .map(|i| Mark::line([x(i.low), y], [x(i.high), y], colour).outlined(colour, 2.0));
     let dot = Mark::circle([x(d.drop), y], 4.6).filled(dot_fill).outlined(colour, 1.8);
-    let words = paired::in_words(r, base);
+    let words = paired::effect_sentence(r, base);
     let title = format!(
         "{}, {}: drop {}; {words}",
         scores.title(&r.detector),
@@ -112,7 +109,13 @@ fn line(scores: &Scores, r: &Compared, base: &str, y: f64, x: &dyn Fn(f64) -> f6
     );
     [
         Mark::group([0.0; 2], whisker.into_iter().chain([dot]).collect()).titled(title),
-        Mark::text([LEFT + PLOT + 12.0, y + 4.0], 11.5, Start, word_colour, paired::word(r)),
+        Mark::text(
+            [LEFT + PLOT + 12.0, y + 4.0],
+            11.5,
+            Start,
+            word_colour,
+            paired::effect_word(r),
+        ),
     ]
 }
 

@@ -2,7 +2,8 @@
 
 use crate::figures::{Course, Scores, Sequential};
 use crate::report::charts::colours::colour;
-use crate::report::words::looks::{SHOWN_FROM, figures, unit};
+use crate::report::words::looks::SHOWN_FROM;
+use crate::report::words::{figures, unit};
 use scaleproof_plot::Anchor::{End, Middle};
 use scaleproof_plot::{BLACK, Drawing, FAINT, INK, Mark, NOTE};
 

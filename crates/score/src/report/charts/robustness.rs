@@ -21,8 +21,9 @@ pub(crate) fn charts(scores: &Scores, robustness: &Robustness) -> Vec<(String, D
     let mut all = Vec::new();
     for detector in &scores.detectors {
         for corruption in &corruptions {
-            let is_own =
-                |row: &&CorruptedRow| row.corruption == *corruption && row.held.detector == detector.manifest.name;
+            let is_own = |row: &&CorruptedRow| {
+                row.corruption == *corruption && row.difference.detector == detector.manifest.name
+            };
             let own: Vec<&CorruptedRow> = robustness.rows.iter().filter(is_own).collect();
             let title = format!("{}: {corruption}", detector.manifest.title);
             all.push((title.clone(), chart(scores, title, &own)));
@@ -33,18 +34,22 @@ pub(crate) fn charts(scores: &Scores, robustness: &Robustness) -> Vec<(String, D
 
 /// Draws the chart of `own`, the rows of one detector and corruption.
 pub(crate) fn chart(scores: &Scores, title: String, own: &[&CorruptedRow]) -> Drawing {
-    let from_base: Vec<&CorruptedRow> = own.iter().copied().filter(|row| row.held.base == scores.base).collect();
+    let from_base: Vec<&CorruptedRow> = own
+        .iter()
+        .copied()
+        .filter(|row| row.difference.base == scores.base)
+        .collect();
     let amounts = distinct(from_base.iter().map(|row| (row.severity, row.amount.as_str())));
     let lines = scores.variants().into_iter().enumerate().map(|(i, variant)| {
         let points: Vec<(f64, f64, bool)> = if variant == scores.base {
             of_base(&from_base)
         } else {
-            let own = from_base.iter().filter(|row| row.held.variant == variant);
+            let own = from_base.iter().filter(|row| row.difference.variant == variant);
             own.map(|row| {
                 (
                     f64::from(row.severity),
-                    row.held.ap50.other,
-                    row.held.is_above_zero() == Some(true),
+                    row.difference.ap50.other,
+                    row.difference.is_above_zero() == Some(true),
                 )
             })
             .collect()
@@ -74,9 +79,11 @@ fn short(amount: &str) -> &str {
 }
 
 fn of_base(from_base: &[&CorruptedRow]) -> Vec<(f64, f64, bool)> {
-    let first = from_base.first().map(|row| row.held.variant.as_str());
-    let own = from_base.iter().filter(|row| Some(row.held.variant.as_str()) == first);
-    own.map(|row| (f64::from(row.severity), row.held.ap50.base, true))
+    let first = from_base.first().map(|row| row.difference.variant.as_str());
+    let own = from_base
+        .iter()
+        .filter(|row| Some(row.difference.variant.as_str()) == first);
+    own.map(|row| (f64::from(row.severity), row.difference.ap50.base, true))
         .collect()
 }
 

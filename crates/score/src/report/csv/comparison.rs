@@ -4,8 +4,8 @@
 use serde_json::json;
 
 use crate::figures::{Compared, Comparison, Control, Difference, Scores};
+use crate::report::ReportError;
 use crate::report::csv::rows::{Row, csv_of};
-use crate::report::error::ReportError;
 use crate::report::words::counted;
 
 pub fn render(scores: &Scores, comparison: &Comparison) -> Result<String, ReportError> {
@@ -16,11 +16,11 @@ pub fn render(scores: &Scores, comparison: &Comparison) -> Result<String, Report
             ("hit_rate", &r.hit_rate.rate),
             ("ap50", &r.ap50),
         ];
-        endpoints.map(|(name, d)| row(scores, comparison, r, (name, d)))
+        endpoints.map(|(name, d)| row(scores, comparison, r, name, d))
     }))
 }
 
-fn row<'a>(scores: &Scores, comparison: &Comparison, r: &Compared, (endpoint, d): (&str, &Difference)) -> Row<'a> {
+fn row<'a>(scores: &Scores, comparison: &Comparison, r: &Compared, endpoint: &str, d: &Difference) -> Row<'a> {
     let (drop, asr) = (d.interval_95, d.asr_interval_95);
     let is_control = |control: &Control| control.variant == r.variant;
     let (role, p, level) = match (endpoint, r.finding) {

@@ -3,8 +3,7 @@
 use serde_json::json;
 
 use crate::report::csv::rows::csv_of;
-use crate::report::error::ReportError;
-use crate::report::evaluation::Evaluation;
+use crate::report::{Evaluation, ReportError};
 
 pub(crate) fn figures_csv(evaluation: &Evaluation) -> Result<String, ReportError> {
     let mut rows = Vec::new();

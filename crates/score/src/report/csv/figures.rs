@@ -3,8 +3,8 @@
 use serde_json::{Value, json};
 
 use crate::figures::{Asr, Drop, Figures, Protocol, Rate, Scores, Summary};
+use crate::report::ReportError;
 use crate::report::csv::rows::{Row, csv_of};
-use crate::report::error::ReportError;
 use crate::report::words::counted;
 use scaleproof_pose::scene::Bin;
 

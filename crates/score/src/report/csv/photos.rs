@@ -4,9 +4,9 @@ use serde_json::json;
 
 use crate::evaluated::EvaluatedDetector;
 use crate::figures::{Protocol, ScoredPhoto, Scores};
+use crate::report::ReportError;
 use crate::report::csv::rows::{Row, csv_of};
-use crate::report::error::ReportError;
-use crate::report::words::counted::other_label;
+use crate::report::words::other_label;
 
 pub fn render(scores: &Scores) -> Result<String, ReportError> {
     let scored = scores.photos.iter().flat_map(|photo| {

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::report::error::ReportError;
+use crate::report::ReportError;
 
 /// A line of a table for spreadsheets: each column's name and value.
 pub(crate) type Row<'a> = Vec<(&'a str, Value)>;

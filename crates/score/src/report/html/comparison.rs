@@ -5,11 +5,10 @@ use maud::{Markup, PreEscaped, html};
 use crate::compare::comparison_definitions;
 use crate::figures::{Compared, Comparison, PlanCheck, Scores};
 use crate::report::charts::drops::{FIGURES, forest};
-use crate::report::findings::Findings;
 use crate::report::html::page::{SCRIPT, Section, lead, shell};
-use crate::report::html::{first, looks, notes, pairs};
-use crate::report::tables;
+use crate::report::html::{charts, first, notes, pairs};
 use crate::report::words::paired;
+use crate::report::{Findings, tables};
 
 pub fn render(scores: &Scores, comparison: &Comparison) -> String {
     let findings = Findings::of_comparison(scores, comparison);
@@ -19,7 +18,7 @@ pub fn render(scores: &Scores, comparison: &Comparison) -> String {
     let tail = html! { (first::library(findings, photos)) (script) };
     let first = html! { @if let Some(check) = &comparison.plan { (plan(check)) } (first::screen(findings, &tables::effects(findings))) };
     let open = [
-        ("looks", "However often one looks", looks::section(scores, comparison)),
+        ("looks", "However often one looks", charts::looks(scores, comparison)),
         ("pairs", "Photos side by side", pairs::section(scores, comparison)),
     ];
     let method = notes::method(findings);
@@ -53,7 +52,7 @@ pub fn render(scores: &Scores, comparison: &Comparison) -> String {
 /// Renders every deviation from the plan that was sealed before the photos.
 fn plan(plan: &PlanCheck) -> Markup {
     html! {
-        p { "Held against the plan " code { (plan.seal) } ": " (paired::deviations(plan)) "." }
+        p { "PairedDifference against the plan " code { (plan.seal) } ": " (paired::deviations(plan)) "." }
         @for deviation in &plan.deviations { p.banner { "Deviation: " (deviation) "." } }
     }
 }

@@ -7,9 +7,7 @@ use maud::{Markup, PreEscaped, html};
 use crate::evaluated::EvaluatedDetector;
 use crate::figures::{ScoredPhoto, Scores};
 use crate::report::html::filters;
-use crate::report::words::counted::other_label;
-use crate::report::words::direction::side;
-use crate::report::words::numbers::number;
+use crate::report::words::{number, other_label, side};
 use scaleproof_detect::Detection;
 
 /// Largest number of photos that are shown: with more the page would be too large to open.
@@ -45,7 +43,7 @@ pub(crate) fn photo_library(photos: &[&ScoredPhoto]) -> Markup {
                             // Pixel (0, 0) is centred on 0, 0 for tags, and on 0.5, 0.5 in a drawing.
                             @let corners = tag.corners_px.map(|[x, y]| format!("{:.1},{:.1}", x + 0.5, y + 0.5)).join(" ");
                             polygon.line points=(corners) fill="none" stroke=(if tag.is_used { "#39e600" } else { "#c0c0c0" }) {}
-                            (text(p, tag.corners_px[0], "#39e600", &tag.id.to_string()))
+                            (draw_text(p, tag.corners_px[0], "#39e600", &tag.id.to_string()))
                         }
                     }
                 }
@@ -181,8 +179,8 @@ fn view(scores: &Scores, p: &ScoredPhoto, index: usize, part: [f64; 4]) -> Marku
             @for d in &strong { (detection(d, detector, None)) }
             g.fine {
                 @for d in weak.iter().filter(is_weak_find) { (detection(d, detector, Some("2 3"))) }
-                @for d in strong.iter().copied().chain(weak.iter().filter(is_weak_find).copied()) { (name(p, d, detector)) }
-                (text(p, [p.truth.x1, p.truth.y2 + 1.2 * letter(p)], "#fff", "truth"))
+                @for d in strong.iter().copied().chain(weak.iter().filter(is_weak_find).copied()) { (draw_label(p, d, detector)) }
+                (draw_text(p, [p.truth.x1, p.truth.y2 + 1.2 * letter(p)], "#fff", "truth"))
             }
         }
     }
@@ -197,7 +195,7 @@ fn paint(d: &Detection, detector: &EvaluatedDetector) -> &'static str {
 }
 
 /// Draws the label and confidence above a detection's box, or in it at the photo's upper edge.
-fn name(p: &ScoredPhoto, d: &Detection, detector: &EvaluatedDetector) -> Markup {
+fn draw_label(p: &ScoredPhoto, d: &Detection, detector: &EvaluatedDetector) -> Markup {
     let label = detector.labels().name(d.label).unwrap_or("?");
     let above = d.box_px.y1 - 0.3 * letter(p);
     let y = if above < letter(p) {
@@ -206,7 +204,7 @@ fn name(p: &ScoredPhoto, d: &Detection, detector: &EvaluatedDetector) -> Markup 
         above
     };
     let content = format!("{label} {}", number(d.score, 2));
-    text(p, [d.box_px.x1, y], paint(d, detector), &content)
+    draw_text(p, [d.box_px.x1, y], paint(d, detector), &content)
 }
 
 fn rectangle([x, y, width, height]: &[f64; 4], colour: &str, dashes: Option<&str>) -> Markup {
@@ -221,7 +219,7 @@ fn letter(p: &ScoredPhoto) -> f64 {
     f64::from(p.width.max(p.height)) / 65.0
 }
 
-fn text(p: &ScoredPhoto, [x, y]: [f64; 2], colour: &str, content: &str) -> Markup {
+fn draw_text(p: &ScoredPhoto, [x, y]: [f64; 2], colour: &str, content: &str) -> Markup {
     html! {
         text x=(format!("{x:.1}")) y=(format!("{y:.1}")) font-size=(format!("{:.1}", letter(p))) fill=(colour) { (content) }
     }

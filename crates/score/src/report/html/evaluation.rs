@@ -2,11 +2,10 @@
 
 use maud::html;
 
-use crate::report::evaluation::Evaluation;
-use crate::report::findings::Findings;
 use crate::report::html::page::{Section, lead, shell};
 use crate::report::html::{first, notes, patterns};
 use crate::report::tables::{self, ACROSS};
+use crate::report::{Evaluation, Findings};
 use scaleproof_core::spelling;
 
 pub(crate) fn render(evaluation: &Evaluation) -> String {

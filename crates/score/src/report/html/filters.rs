@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use maud::{Markup, html};
 
 use crate::figures::{PhotoOutcome, ScoredPhoto, Scores, Verdict};
-use crate::report::words::direction::side;
+use crate::report::words::side;
 use scaleproof_pose::scene::Bin;
 
 /// A filter: its key on the cards, its name, and (value, name) of each option.

@@ -3,8 +3,8 @@
 use maud::{Markup, html};
 
 use crate::figures::{Compared, ScoredPhoto};
-use crate::report::findings::Findings;
-use crate::report::html::{contact, intervals, strip};
+use crate::report::Findings;
+use crate::report::html::{charts, contact, strip};
 use crate::report::table::Table;
 use crate::report::words::{paired, verdict};
 
@@ -17,7 +17,7 @@ pub(crate) fn screen(findings: Findings, main: &Table) -> Markup {
             (main.markup())
         } @else {
             (strip::rows(findings))
-            (intervals::figure(findings))
+            (charts::intervals(findings))
             (main.markup())
             p.note { (basis(findings.results)) }
         }

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use crate::figures::{Figures, Scores, Summary};
 use crate::report::html::parts::{heads, rows_by_detector, table, title_of};
-use crate::report::words::numbers::number;
+use crate::report::words::number;
 
 /// Renders a bar of all photos for each detector and texture: hits, misclassified, disappeared.
 pub(crate) fn outcomes(scores: &Scores) -> Markup {

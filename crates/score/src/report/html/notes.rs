@@ -3,11 +3,9 @@
 use maud::{Markup, html};
 
 use crate::figures::{Comparison, NotScored, Scores, disagreements};
-use crate::report::findings::Findings;
 use crate::report::html::parts::{heads, table};
-use crate::report::provenance;
-use crate::report::words::truth::truth_boxes;
-use crate::report::words::{certainty, counted, paper};
+use crate::report::words::{certainty, counted, paper, truth_boxes};
+use crate::report::{Findings, provenance};
 use scaleproof_core::spelling;
 
 /// Renders sentences for a paper, how effects were decided, where AP and hits disagree, and the definitions in short.

@@ -7,8 +7,7 @@ use maud::{Markup, html};
 use crate::compare::paired_photos;
 use crate::figures::{Comparison, PhotoOutcome, ScoredPhoto, Scores};
 use crate::report::html::{contact, filters};
-use crate::report::words::direction::side;
-use crate::report::words::numbers::number;
+use crate::report::words::{number, side};
 
 /// Largest number of pairs that are shown: with more the page would be too large to open.
 const MOST_PAIRS: usize = 200;

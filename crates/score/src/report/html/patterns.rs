@@ -4,7 +4,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{Markup, html};
 
-use crate::figures::{ScoredPhoto, Scores, WornPattern};
+use crate::figures::{ScoredPhoto, Scores, TexturePattern};
 
 /// Number of photos that show a texture on the model.
 const STRIP: usize = 8;
@@ -13,7 +13,10 @@ const STRIP: usize = 8;
 pub(crate) fn cards(scores: &Scores) -> Option<Markup> {
     let variants = scores.variants();
     let textures = || variants.iter().filter(|v| **v != scores.base);
-    let unknown: Vec<&str> = textures().filter(|v| of(scores, v).is_none()).copied().collect();
+    let unknown: Vec<&str> = textures()
+        .filter(|v| pattern_of(scores, v).is_none())
+        .copied()
+        .collect();
     textures().next()?;
     Some(html! {
         @if !scores.patterns.is_empty() {
@@ -33,7 +36,7 @@ pub(crate) fn strips(scores: &Scores, textures: &[String]) -> Markup {
     html! {
         @for texture in textures {
             h3 { (texture) }
-            @if let Some(pattern) = of(scores, texture) { div.patterns { figure { (image(pattern)) figcaption { (facts(pattern)) "." (hash(pattern)) } } } }
+            @if let Some(pattern) = pattern_of(scores, texture) { div.patterns { figure { (image(pattern)) figcaption { (facts(pattern)) "." (hash(pattern)) } } } }
             div.strip {
                 @for photo in spread(scores, texture) {
                     img alt=(photo.file) title=(photo.file) src=(format!("data:image/jpeg;base64,{}", STANDARD.encode(&photo.preview_jpeg)));
@@ -44,7 +47,7 @@ pub(crate) fn strips(scores: &Scores, textures: &[String]) -> Markup {
     }
 }
 
-fn of<'a>(scores: &'a Scores, variant: &str) -> Option<&'a WornPattern> {
+fn pattern_of<'a>(scores: &'a Scores, variant: &str) -> Option<&'a TexturePattern> {
     scores.patterns.iter().find(|p| p.variant == variant)
 }
 
@@ -56,12 +59,12 @@ fn spread<'a>(scores: &'a Scores, variant: &str) -> Vec<&'a ScoredPhoto> {
     (0..count).map(|i| own[i * own.len() / count]).collect()
 }
 
-fn image(pattern: &WornPattern) -> Markup {
+fn image(pattern: &TexturePattern) -> Markup {
     let source = format!("data:image/png;base64,{}", STANDARD.encode(&pattern.png));
     html! { img alt=(format!("The pattern of {}", pattern.variant)) src=(source); }
 }
 
-fn facts(pattern: &WornPattern) -> Markup {
+fn facts(pattern: &TexturePattern) -> Markup {
     let [columns, rows] = pattern.cells;
     html! {
         b { (pattern.variant) } ", " (pattern.file) ": " (columns) " × " (rows) " cells, a repeat "
@@ -69,12 +72,12 @@ fn facts(pattern: &WornPattern) -> Markup {
     }
 }
 
-fn print(pattern: &WornPattern) -> String {
+fn print(pattern: &TexturePattern) -> String {
     pattern.print_delta_e.map_or("not measured".to_owned(), |off| {
         format!("off by ΔE2000 {off:.1} (mean over cells)")
     })
 }
 
-fn hash(pattern: &WornPattern) -> Markup {
+fn hash(pattern: &TexturePattern) -> Markup {
     html! { br; small { "SHA-256 " (pattern.sha256) } }
 }

@@ -3,11 +3,9 @@
 use maud::{PreEscaped, html};
 
 use crate::figures::Scores;
+use crate::report::RunReport;
 use crate::report::html::page::{SCRIPT, Section, lead, shell};
-use crate::report::html::{
-    contact, curves, defences, first, heat, misses, notes, patterns, polar, ranking, reliability, robustness, speed,
-};
-use crate::report::run::RunReport;
+use crate::report::html::{charts, contact, defences, first, misses, notes, patterns};
 use crate::report::table::Table;
 use scaleproof_detect::Speeds;
 
@@ -17,29 +15,19 @@ pub fn render(scores: &Scores, speeds: Option<&Speeds>) -> String {
 }
 
 pub(crate) fn of_run(report: &RunReport) -> String {
-    let RunReport {
-        scores,
-        findings,
-        ref tables,
-        ..
-    } = *report;
+    let (scores, findings, tables) = (report.scores, report.findings, &report.tables);
     let library = first::library(findings, contact::shown(scores));
     let tail = html! { (library) script { (PreEscaped(SCRIPT)) } };
-    let main = if findings.results.is_empty() {
-        &tables.brief
-    } else {
-        &tables.effects
-    };
-    let first = first::screen(findings, main);
+    let first = first::screen(findings, tables.main(findings));
     shell(scores, &lead(scores), &first, &sections(report), tail)
 }
 
 fn sections(report: &RunReport) -> Vec<Section> {
-    let RunReport { scores, ref tables, .. } = *report;
+    let (scores, tables) = (report.scores, &report.tables);
     let table = |table: &Table| html! { h3 { (table.caption) } (table.markup()) };
     let figures = html! { (table(&tables.figures)) (table(&tables.papers)) @for transfer in &tables.transferred { (table(transfer)) } };
     let outcomes = html! { (misses::outcomes(scores)) (table(&tables.taken)) };
-    let directions = html! { (polar::row(scores)) (heat::maps(scores)) };
+    let directions = html! { (charts::polar(scores)) (charts::heat_maps(scores)) };
     let photos = html! { (contact::sheet(scores)) (notes::not_scored(scores)) };
     let conditions = &tables.conditions;
     let conditions = (!conditions.is_empty()).then(|| html! { @for condition in conditions { (table(condition)) } });
@@ -50,7 +38,7 @@ fn sections(report: &RunReport) -> Vec<Section> {
         (
             "robustness",
             "On photos made worse",
-            robustness::section(scores, tables.survival.as_ref()),
+            charts::robustness(scores, tables.survival.as_ref()),
         ),
         (
             "defences",
@@ -60,7 +48,7 @@ fn sections(report: &RunReport) -> Vec<Section> {
         (
             "ranking",
             "Order of the textures in other sessions",
-            ranking::section(scores, tables.order.as_ref()),
+            charts::ranking(scores, tables.order.as_ref()),
         ),
         ("directions", "By viewing direction", Some(directions)),
         ("photos", "Photos", Some(photos)),
@@ -71,13 +59,13 @@ fn sections(report: &RunReport) -> Vec<Section> {
         ("comparable", "All figures, for comparison with papers", Some(figures)),
         ("outcomes", "Hits and misses", Some(outcomes)),
         ("patterns", "Patterns", patterns::cards(scores)),
-        ("curves", "Curves", Some(curves::section(scores))),
+        ("curves", "Curves", Some(charts::curves(scores))),
         (
             "reliability",
             "Reliability of the confidences",
-            Some(reliability::diagrams(scores)),
+            Some(charts::reliability(scores)),
         ),
-        ("speed", "AP against time", Some(speed::chart(scores, report.speeds))),
+        ("speed", "AP against time", Some(charts::speed(scores, report.speeds))),
         ("definitions", "Definitions", Some(notes::definitions(scores))),
         ("provenance", "Provenance", Some(notes::provenance(scores, chance))),
     ];

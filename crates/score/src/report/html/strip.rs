@@ -4,10 +4,9 @@ use maud::{Markup, html};
 
 use crate::compare::paired_photos;
 use crate::figures::{Compared, ScoredPhoto, Scores};
-use crate::report::findings::Findings;
+use crate::report::Findings;
 use crate::report::html::contact;
-use crate::report::words::direction::side;
-use crate::report::words::numbers::number;
+use crate::report::words::{number, side};
 use scaleproof_plot::distinct;
 
 /// Largest number of textures: more would push the chart off the first screen.

@@ -6,11 +6,8 @@ use serde::Serialize;
 
 use crate::compare::comparison_definitions;
 use crate::figures::{Comparison, NotScored, Scores};
-use crate::report::error::ReportError;
-use crate::report::findings::Findings;
-use crate::report::provenance::Provenance;
 use crate::report::words::{counted, paper};
-use crate::report::{provenance, tables};
+use crate::report::{Findings, Provenance, ReportError, provenance, tables};
 
 /// `comparison.json`.
 #[derive(Serialize, schemars::JsonSchema)]

@@ -9,10 +9,8 @@ use crate::figures::{
     Compared, Curves, Defences, NotScored, ProtocolTable, Ranking, Reliability, Robustness, Scores, Summary,
     TransferRow, curves, disagreements, protocol_table, reliability, transfer,
 };
-use crate::report::provenance;
-use crate::report::provenance::Provenance;
-use crate::report::run::RunReport;
 use crate::report::words::{counted, paper};
+use crate::report::{Provenance, RunReport, provenance};
 use scaleproof_detect::Speeds;
 
 /// `summary.json`.

@@ -1,7 +1,7 @@
 //! Comments of a TeX file.
 
 use crate::figures::{Difference, Scores};
-use crate::report::findings::Findings;
+use crate::report::Findings;
 use crate::report::words::{certainty, counted};
 
 /// Returns the comment below the notes of a table, a line each: how effects were decided, rates without an interval, and every caution.

@@ -1,12 +1,11 @@
 //! `comparison.tex`: the drops with their intervals, a `tabular` for each endpoint.
 
 use crate::figures::{Compared, Comparison, Difference, Effect, Scores};
-use crate::report::findings::Findings;
+use crate::report::Findings;
 use crate::report::latex::comments::{below, commented};
 use crate::report::latex::markup::{escaped, number, row, tabular};
 use crate::report::table::Cell;
-use crate::report::words::numbers::p_value;
-use crate::report::words::{certainty, paired};
+use crate::report::words::{certainty, p_value, paired};
 
 /// Returns the drops of a comparison: a comment that explains the numbers, and a `tabular` for each endpoint, which fits one column of a paper of
 /// two.

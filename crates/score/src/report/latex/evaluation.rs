@@ -1,8 +1,7 @@
 //! `evaluation.tex`: the paper's tables of patterns × detectors.
 
-use crate::report::evaluation::Evaluation;
 use crate::report::latex::comments::commented;
-use crate::report::tables;
+use crate::report::{Evaluation, tables};
 
 /// Returns the paper's two tables: pattern × detector.
 pub(crate) fn evaluation(evaluation: &Evaluation) -> String {

@@ -1,9 +1,8 @@
 //! `table.tex`: detector × texture.
 
 use crate::figures::{Scores, disagreements};
-use crate::report::findings::Findings;
 use crate::report::latex::comments::{below, commented, comments};
-use crate::report::run::RunReport;
+use crate::report::{Findings, RunReport};
 
 /// Returns the whole file: a comment that explains the numbers, and one `tabular`.
 pub fn table(scores: &Scores) -> String {

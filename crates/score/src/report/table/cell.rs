@@ -1,6 +1,6 @@
 //! Content of a cell.
 
-use crate::report::words::paired::ends;
+use crate::report::words::numbers::bracketed;
 use scaleproof_core::spelling::digits;
 use scaleproof_core::statistics::Interval;
 
@@ -119,7 +119,7 @@ impl Cell {
             Value::Number { digits, .. } | Value::Change { digits, .. } => *digits,
             _ => 2,
         };
-        Some(ends(self.interval?, |end| number(end, behind)))
+        Some(bracketed(self.interval?, |end| number(end, behind)))
     }
 
     /// Returns the value, its interval and its remark in one line of plain text; a number that is shown to change has a star.

@@ -8,4 +8,4 @@ pub mod tex; // as a `tabular`
 pub mod text; // as lines of plain text
 
 pub use cell::{Cell, Value};
-pub use model::{Column, Side, Table};
+pub use model::{Alignment, Column, Table};

@@ -23,12 +23,12 @@ pub struct Column {
     pub key: String,
     /// Unit of its numbers, where they have one: `95 %` of an interval, `mm`.
     pub unit: Option<&'static str>,
-    pub side: Side,
+    pub alignment: Alignment,
 }
 
 /// Alignment of the cells of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Side {
+pub enum Alignment {
     Left,
     Right,
 }
@@ -40,14 +40,14 @@ impl Column {
             title: title.to_owned(),
             key: key_of(title),
             unit: None,
-            side: Side::Left,
+            alignment: Alignment::Left,
         }
     }
 
     /// Makes a column of numbers, aligned right.
     pub fn numbers(title: &str) -> Column {
         Column {
-            side: Side::Right,
+            alignment: Alignment::Right,
             ..Column::words(title)
         }
     }

@@ -2,8 +2,8 @@
 
 use serde_json::{Map, Value as Json, json};
 
+use crate::report::ReportError;
 use crate::report::csv::rows::csv_of;
-use crate::report::error::ReportError;
 use crate::report::table::{Cell, Table, Value};
 
 /// Endings of a column's key where its cells hold more than one number.

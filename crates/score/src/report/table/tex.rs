@@ -1,8 +1,7 @@
 //! A table as a `tabular` in booktabs' style.
 
 use crate::report::latex::markup::{escaped, number, row, tabular};
-use crate::report::table::model::Side;
-use crate::report::table::{Cell, Table, Value};
+use crate::report::table::{Alignment, Cell, Table, Value};
 
 impl Table {
     /// Returns the `tabular` alone, without caption and notes.
@@ -20,8 +19,8 @@ impl Table {
     /// Returns the alignment of a column: numbers with an interval begin at the left, so that their points stand below each other.
     fn letter(&self, column: usize) -> char {
         let mut cells = self.rows().filter_map(|row| row.get(column));
-        match self.columns[column].side {
-            Side::Right if !cells.any(|cell| cell.interval.is_some()) => 'r',
+        match self.columns[column].alignment {
+            Alignment::Right if !cells.any(|cell| cell.interval.is_some()) => 'r',
             _ => 'l',
         }
     }

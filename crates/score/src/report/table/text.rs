@@ -1,7 +1,6 @@
 //! A table in lines of plain text.
 
-use crate::report::table::model::Side;
-use crate::report::table::{Cell, Table, Value};
+use crate::report::table::{Alignment, Cell, Table, Value};
 
 /// Number of columns that a screen always has.
 const FEWEST: usize = 4;
@@ -32,7 +31,7 @@ impl Table {
         let rows = self.rows().map(|row| row.iter().map(Cell::line).collect());
         let rows: Vec<Vec<String>> = std::iter::once(head).chain(rows).collect();
         let is_right: Vec<bool> = (0..self.columns.len())
-            .map(|column| self.is_at_the_right(column))
+            .map(|column| self.is_right_aligned(column))
             .collect();
         let widths: Vec<usize> = (0..self.columns.len()).map(|column| width(&rows, column)).collect();
         let line = |row: &Vec<String>| {
@@ -73,10 +72,10 @@ impl Table {
     }
 
     /// Returns true if a column is aligned right: numbers alone are; beside intervals or remarks they begin at the left.
-    fn is_at_the_right(&self, column: usize) -> bool {
+    fn is_right_aligned(&self, column: usize) -> bool {
         let has_more = |cell: &Cell| cell.interval.is_some() || cell.remark.is_some();
         let cells = self.rows().filter_map(|row| row.get(column));
-        self.columns[column].side == Side::Right && !cells.into_iter().any(has_more)
+        self.columns[column].alignment == Alignment::Right && !cells.into_iter().any(has_more)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Table of the drop of the hit rate in each direction.
 
-use crate::report::findings::Findings;
+use crate::report::Findings;
 use crate::report::table::{Cell, Column, Table};
 
 /// Returns a row for each detector and texture, a column for each azimuth.

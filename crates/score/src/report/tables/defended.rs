@@ -1,6 +1,6 @@
 //! Tables of differences between variants on defended photos, and of the changes by each defence.
 
-use crate::figures::{Defences, DefendedRow, Held, UNDEFENDED};
+use crate::figures::{Defences, DefendedRow, PairedDifference, UNDEFENDED};
 use crate::report::table::{Cell, Column, Table};
 use scaleproof_core::statistics::Interval;
 use scaleproof_plot::distinct;
@@ -14,25 +14,27 @@ pub(crate) fn defended(defences: &Defences) -> [Table; 2] {
     let changes = "What each defence changes: AP@0.5 of the same photos without → with the defence, and the 95 % interval of what it adds; bold, in the terminal with a star: the \
                    defence is shown to change the mean confidence, tested over the defences of a detector and texture";
     [
-        matrix(drops, &defences.rows, &with_none, |held| cell(held, 1.0)),
-        matrix(changes, &defences.changes, &names().collect::<Vec<_>>(), |held| {
-            cell(held, -1.0)
+        matrix(drops, &defences.rows, &with_none, |difference| cell(difference, 1.0)),
+        matrix(changes, &defences.changes, &names().collect::<Vec<_>>(), |difference| {
+            cell(difference, -1.0)
         }),
     ]
 }
 
-fn matrix(caption: &str, rows: &[DefendedRow], defences: &[&str], cell: fn(&Held) -> Cell) -> Table {
+fn matrix(caption: &str, rows: &[DefendedRow], defences: &[&str], cell: fn(&PairedDifference) -> Cell) -> Table {
     let names = ["detector", "texture", "from"].map(Column::words);
     let columns = names
         .into_iter()
         .chain(defences.iter().map(|name| Column::numbers(name)));
     let mut table = Table::new(caption, columns.collect());
-    let key = |row: &DefendedRow| [&row.held.detector, &row.held.variant, &row.held.base].map(String::clone);
+    let key = |row: &DefendedRow| {
+        [&row.difference.detector, &row.difference.variant, &row.difference.base].map(String::clone)
+    };
     let lines = distinct(rows.iter().map(key)).into_iter().map(|names| {
         let own = |defence: &&str| rows.iter().find(|row| row.defence == *defence && key(row) == names);
         let cells = defences
             .iter()
-            .map(|defence| own(defence).map_or_else(Cell::default, |row| cell(&row.held)));
+            .map(|defence| own(defence).map_or_else(Cell::default, |row| cell(&row.difference)));
         names.clone().map(Cell::text).into_iter().chain(cells).collect()
     });
     table.blocks.push(lines.collect());
@@ -40,15 +42,15 @@ fn matrix(caption: &str, rows: &[DefendedRow], defences: &[&str], cell: fn(&Held
 }
 
 /// Returns a cell as in `0.87 → 0.16 [0.45, 0.93]`; `sign`: 1 for a drop, −1 for what is added.
-fn cell(held: &Held, sign: f64) -> Cell {
-    let interval = held.ap50.interval_95.map(|i| {
+fn cell(difference: &PairedDifference, sign: f64) -> Cell {
+    let interval = difference.ap50.interval_95.map(|i| {
         let (a, b) = (sign * i.low, sign * i.high);
         Interval {
             low: a.min(b),
             high: a.max(b),
         }
     });
-    Cell::change(held.ap50.base, held.ap50.other, 2)
+    Cell::change(difference.ap50.base, difference.ap50.other, 2)
         .with_interval(interval)
-        .strong(held.finding.is_some_and(|finding| finding.effect.is_shown()))
+        .strong(difference.finding.is_some_and(|finding| finding.effect.is_shown()))
 }

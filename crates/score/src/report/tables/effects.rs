@@ -2,16 +2,14 @@
 
 use crate::compare::MOST_HIT;
 use crate::figures::{Compared, Effect, Scores, Summary};
-use crate::report::findings::Findings;
+use crate::report::Findings;
 use crate::report::table::{Cell, Column, Table, Value};
 use crate::report::words::paired;
 use scaleproof_core::spelling::{self, digits};
 
 /// Returns a row for each detector and texture: the effect, the mean confidence and hits of the base and of the texture.
 pub(crate) fn effects(findings: Findings) -> Table {
-    let Findings {
-        scores, results, base, ..
-    } = findings;
+    let (scores, results, base) = (findings.scores, findings.results, findings.base);
     let mut table = Table::new(
         &format!("Textures against {}", paired::named_base(base)),
         vec![
@@ -47,7 +45,7 @@ fn row(scores: &Scores, r: &Compared) -> Vec<Cell> {
         Cell::text(if scores.control.as_ref() == Some(&r.variant) {
             "the control"
         } else {
-            paired::word(r)
+            paired::effect_word(r)
         })
         .strong(r.effect().is_shown())
         .with_remark(remark(r)),

@@ -1,7 +1,7 @@
 //! Tables of the figures of every detector and texture, in the layout of the field's papers.
 
 use crate::figures::{Compared, Difference, Drop, Scores, Summary};
-use crate::report::findings::Findings;
+use crate::report::Findings;
 use crate::report::table::{Cell, Column, Table};
 use crate::report::tables::by_detector::by_detector;
 use crate::report::words::paired;

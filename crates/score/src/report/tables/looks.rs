@@ -2,8 +2,8 @@
 
 use crate::figures::{Course, Decision, Scores, Sequential};
 use crate::report::table::{Cell, Column, Table};
-use crate::report::words::looks::{figures, found, p_of, repeats, rounds, unit};
-use crate::report::words::paired::briefly;
+use crate::report::words::looks::{finding_words, p_of, repeats, rounds};
+use crate::report::words::{briefly, figures, unit};
 
 /// Returns two rows for each detector and texture: the findings on the confidence and on the hits so far, and the look after which they were shown.
 pub(crate) fn looks(scores: &Scores, sequential: &Sequential) -> Table {
@@ -49,7 +49,7 @@ fn row(scores: &Scores, sequential: &Sequential, course: &Course, name: &str, de
         Cell::text(&course.variant),
         Cell::text(briefly(course.effect)).strong(course.effect.is_shown()),
         Cell::text(name),
-        Cell::text(found(decision, sequential, course.looks) + &repeats(course)),
+        Cell::text(finding_words(decision, sequential, course.looks) + &repeats(course)),
         Cell::text(p_of(decision).replace("= ", "")),
         Cell::number(decision.drop, 2)
             .with_interval(decision.interval_95)

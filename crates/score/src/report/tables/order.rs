@@ -41,12 +41,12 @@ fn cells(scores: &Scores, row: &RankingRow) -> Vec<Cell> {
         Cell::text(scores.title(&row.detector)),
         Cell::text(&row.photos),
         tau,
-        Cell::text(found(row)),
+        Cell::text(finding_words(row)),
         Cell::text(order.collect::<Vec<_>>().join(", ")),
     ]
 }
 
-fn found(row: &RankingRow) -> &'static str {
+fn finding_words(row: &RankingRow) -> &'static str {
     match row.finding {
         RankingFinding::Holds => "the order holds",
         RankingFinding::Reversed => "the order is another",

@@ -1,7 +1,7 @@
 //! Table of the figures that papers compare beside AP@0.5.
 
 use crate::figures::{Compared, Difference, Summary};
-use crate::report::findings::Findings;
+use crate::report::Findings;
 use crate::report::table::{Cell, Column, Table};
 use crate::report::tables::by_detector::by_detector;
 use crate::report::words::certainty;

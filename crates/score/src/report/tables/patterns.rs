@@ -2,7 +2,8 @@
 
 use crate::evaluated::EvaluatedDetector;
 use crate::figures::{BASE_VARIANT, Compared};
-use crate::report::evaluation::{Evaluation, SCOPE};
+use crate::report::Evaluation;
+use crate::report::evaluation::SCOPE;
 use crate::report::table::{Cell, Column, Table};
 use crate::report::words::paired;
 use scaleproof_core::spelling;

@@ -1,6 +1,6 @@
 //! All tables of a run's report.
 
-use crate::report::findings::Findings;
+use crate::report::Findings;
 use crate::report::table::Table;
 use crate::report::tables::{
     conditions, defended, effects, figures, figures_of_screen, order, outcomes, papers, protocol, survival, taken,
@@ -43,6 +43,15 @@ impl RunTables {
             survival: scores.robustness.as_ref().map(survival),
             defended: scores.defences.as_ref().map(defended),
             order: scores.ranking.as_ref().map(|ranking| order(scores, ranking)),
+        }
+    }
+
+    /// Returns the effects; the brief figures where nothing is compared.
+    pub fn main(&self, findings: Findings) -> &Table {
+        if findings.results.is_empty() {
+            &self.brief
+        } else {
+            &self.effects
         }
     }
 

@@ -5,8 +5,7 @@ use std::collections::BTreeMap;
 
 use crate::figures::{ScoredPhoto, Scores};
 use crate::report::table::{Cell, Column, Table};
-use crate::report::words::counted;
-use crate::report::words::counted::other_label;
+use crate::report::words::{counted, other_label};
 
 /// Name for no label at all.
 const NOTHING: &str = "nothing";

@@ -1,7 +1,7 @@
 //! Tables of the transfer of each texture's effect to other detectors.
 
 use crate::figures::{TransferDrop, transfer};
-use crate::report::findings::Findings;
+use crate::report::Findings;
 use crate::report::table::{Cell, Column, Table};
 use crate::report::words::paired;
 use scaleproof_core::spelling::digits;

@@ -1,10 +1,9 @@
 //! A comparison for the terminal.
 
 use crate::figures::{Compared, Comparison, Difference, Scores};
-use crate::report::findings::Findings;
-use crate::report::tables;
 use crate::report::text::screen::on_screen;
 use crate::report::words::{certainty, counted, paired, paper, verdict};
+use crate::report::{Findings, tables};
 use scaleproof_core::spelling::digits;
 
 /// Returns a comparison for the terminal: deviations from its plan; a sentence on the findings for each texture, and what they rest on; a line for
@@ -38,7 +37,7 @@ pub fn further_comparison(scores: &Scores, comparison: &Comparison) -> String {
         let head = format!("{}: {} → {}", r.detector, comparison.base, r.variant);
         let words = match &comparison.control {
             Some(control) if control.variant == r.variant => "the control".to_owned(),
-            _ => paired::in_words(r, &comparison.base),
+            _ => paired::effect_sentence(r, &comparison.base),
         };
         lines.push(format!("{head}, {}: {words}", paired::basis(r)));
         lines.push(line("mean confidence", r, &r.mean_confidence));

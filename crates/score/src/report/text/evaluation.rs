@@ -1,9 +1,7 @@
 //! An evaluation of patterns for the terminal.
 
-use crate::report::evaluation::Evaluation;
-use crate::report::findings::Findings;
-use crate::report::tables;
 use crate::report::words::{counted, verdict};
+use crate::report::{Evaluation, Findings, tables};
 
 /// Returns the verdict, the paper's tables, and the differences of AP@0.5 with their intervals.
 pub fn evaluation_tables(evaluation: &Evaluation) -> String {

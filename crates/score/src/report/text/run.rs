@@ -1,10 +1,9 @@
 //! Screen of a scoring run: the verdict, one table, and on request the rest.
 
 use crate::figures::{Scores, disagreements};
-use crate::report::run::RunReport;
+use crate::report::RunReport;
 use crate::report::text::screen::on_screen;
-use crate::report::words::truth::truth_boxes;
-use crate::report::words::{certainty, counted, paper, verdict};
+use crate::report::words::{certainty, counted, paper, truth_boxes, verdict};
 
 /// Returns the screen of a run: a sentence on the findings for each texture; what they rest on; a line for each detector and texture. Below stand the
 /// tables of options: a protocol's, by condition, of photos corrupted or defended, the order of the textures.
@@ -13,11 +12,7 @@ pub fn summary_table(scores: &Scores) -> String {
     let mut lines = verdict::sentences(findings);
     lines.extend(verdict::basis(findings));
     lines.extend(Some(String::new()).filter(|_| !lines.is_empty()));
-    lines.extend(on_screen(if findings.results.is_empty() {
-        &tables.brief
-    } else {
-        &tables.effects
-    }));
+    lines.extend(on_screen(tables.main(findings)));
     for table in tables.on_request() {
         lines.push(String::new());
         lines.extend(table.described());

@@ -1,7 +1,7 @@
 //! Sentences on the certainty of a comparison: how its findings were decided, and bounds for rates without an interval.
 
 use crate::figures::{Compared, Difference};
-use crate::report::findings::Findings;
+use crate::report::Findings;
 use crate::report::words::paired as shown;
 use scaleproof_core::spelling::{self, digits};
 use scaleproof_core::statistics::{FEWEST_CLUSTERS, wilson_95};

@@ -1,8 +1,7 @@
 //! A sequential comparison in words.
 
 use crate::figures::{ClusteredBy, Course, Decision, Scores, Sequential, SequentialFinding};
-use crate::report::words::numbers::p_value;
-use crate::report::words::paired::briefly;
+use crate::report::words::{briefly, p_value};
 use scaleproof_core::spelling;
 
 /// Evidence from which a drop is shown, as a base-10 logarithm (a factor of 40).
@@ -20,7 +19,7 @@ pub(crate) fn unit(sequential: &Sequential) -> &'static str {
 pub fn standing(sequential: &Sequential) -> String {
     let each = sequential.results.iter().map(|course| {
         let (word, confidence) = (briefly(course.effect), &course.mean_confidence);
-        let found = found(confidence, sequential, course.looks);
+        let found = finding_words(confidence, sequential, course.looks);
         format!("{}: {word} ({found}, p {})", course.detector, p_of(confidence))
     });
     each.collect::<Vec<_>>().join("; ")
@@ -49,7 +48,7 @@ pub(crate) fn figures(course: &Course) -> [(&'static str, &Decision); 2] {
 }
 
 /// Returns a finding with its looks: `a drop, shown after 7 of 24 pairs`.
-pub(crate) fn found(decision: &Decision, sequential: &Sequential, looks: usize) -> String {
+pub(crate) fn finding_words(decision: &Decision, sequential: &Sequential, looks: usize) -> String {
     let what = match decision.finding {
         SequentialFinding::Drop => "a drop".to_owned(),
         SequentialFinding::Rise => "a rise".to_owned(),

@@ -9,3 +9,9 @@ pub mod paired; // effects and drops on paired photos
 pub mod paper; // sentences for a paper
 pub mod truth; // sources of the truth boxes
 pub mod verdict; // findings in a sentence for each texture
+pub(crate) use counted::other_label;
+pub(crate) use direction::side;
+pub(crate) use looks::{figures, unit};
+pub use numbers::{number, p_value};
+pub use paired::briefly;
+pub use truth::truth_boxes;

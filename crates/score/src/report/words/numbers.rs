@@ -1,6 +1,7 @@
 //! Numbers in texts for people.
 
 use scaleproof_core::spelling::digits;
+use scaleproof_core::statistics::Interval;
 
 /// Formats a number with `behind` digits behind the point, and a true minus sign.
 pub fn number(value: f64, behind: usize) -> String {
@@ -15,4 +16,9 @@ pub fn p_value(p: f64) -> String {
         shown if shown == "0.050" && p > 0.05 => "> 0.050".to_owned(),
         shown => format!("= {shown}"),
     }
+}
+
+/// Writes an interval as `[0.38, 1.00]`, its numbers by `number`.
+pub(crate) fn bracketed(interval: Interval, number: impl Fn(f64) -> String) -> String {
+    format!("[{}, {}]", number(interval.low), number(interval.high))
 }

@@ -1,9 +1,8 @@
 //! Sentences about the drop on paired photos: they stand beside every drop.
 
 use crate::figures::{BASE_VARIANT, Compared, Difference, Effect, Finding, PlanCheck};
-use crate::report::words::numbers::p_value;
+use crate::report::words::numbers::{bracketed, p_value};
 use scaleproof_core::spelling::{self, digits};
-use scaleproof_core::statistics::Interval;
 
 /// Returns an effect in a word or two.
 pub fn briefly(effect: Effect) -> &'static str {
@@ -17,14 +16,14 @@ pub fn briefly(effect: Effect) -> &'static str {
 }
 
 /// Returns the effect on a detector in a word or two, or `not tested`.
-pub(crate) fn word(r: &Compared) -> &'static str {
+pub(crate) fn effect_word(r: &Compared) -> &'static str {
     r.finding.map_or(NOT_TESTED, |finding| briefly(finding.effect))
 }
 
 const NOT_TESTED: &str = "not tested";
 
 /// Returns an effect with its p value and its limits: `weakens, p 0.008`; `nothing shown, p 0.180; a drop of 0.31 would have been (chance 0.8)`.
-pub(crate) fn in_words(r: &Compared, base: &str) -> String {
+pub(crate) fn effect_sentence(r: &Compared, base: &str) -> String {
     let Some(finding) = r.finding else {
         return NOT_TESTED.to_owned();
     };
@@ -129,19 +128,14 @@ pub(crate) fn is_hit_rate_shown(r: &Compared) -> bool {
     r.hit_rate.rate.drop > 0.0 && r.finding.as_ref().is_some_and(falls)
 }
 
-/// Writes an interval as `[0.38, 1.00]`, its numbers by `number`.
-pub(crate) fn ends(interval: Interval, number: impl Fn(f64) -> String) -> String {
-    format!("[{}, {}]", number(interval.low), number(interval.high))
-}
-
 /// Writes the interval of the drop as `[0.38, 1.00]`, its numbers by `number`.
 pub(crate) fn interval(d: &Difference, number: impl Fn(f64) -> String) -> Option<String> {
-    d.interval_95.map(|i| ends(i, number))
+    d.interval_95.map(|i| bracketed(i, number))
 }
 
 /// Writes the attack success rate as `0.33 [−0.10, 0.60]`; `–` where the base's figure is 0.
 pub(crate) fn asr(d: &Difference, number: impl Fn(f64) -> String) -> String {
-    let interval = d.asr_interval_95.map(|i| format!(" {}", ends(i, &number)));
+    let interval = d.asr_interval_95.map(|i| format!(" {}", bracketed(i, &number)));
     let rate = d.asr.map(|asr| number(asr) + &interval.unwrap_or_default());
     rate.unwrap_or_else(|| "–".to_owned())
 }

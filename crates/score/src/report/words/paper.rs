@@ -1,10 +1,9 @@
 //! Sentences on a comparison for a paper, with its caveats, ready to paste.
 
 use crate::figures::{Compared, Effect, Scores};
-use crate::report::findings::Findings;
-use crate::report::words::numbers::p_value;
+use crate::report::Findings;
 use crate::report::words::paired::{WITHHELD, is_withheld, named_base};
-use crate::report::words::verdict;
+use crate::report::words::{p_value, verdict};
 use scaleproof_core::spelling::{self, digits};
 use scaleproof_plot::distinct;
 

@@ -1,7 +1,7 @@
 //! Verdict of a comparison, in a sentence for each texture: it stands above every table.
 
 use crate::figures::{Compared, Effect, Scores};
-use crate::report::findings::Findings;
+use crate::report::Findings;
 use crate::report::words::paired;
 use scaleproof_core::spelling::count;
 use scaleproof_plot::distinct;
