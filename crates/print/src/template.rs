@@ -12,8 +12,9 @@ pub use furniture::{Captions, around, guides, making, rulers};
 pub use layout::LayoutRequest;
 pub use layout::{MAX_SHEETS, SheetLayout, SheetPlan, TemplateRect, layout, letters};
 
-use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
+use super::sheet::{Fill, Mark, RectMm, Sheet, Stamp};
 use super::{SheetError, printer};
+use scaleproof_core::geometry::Point2;
 use scaleproof_core::geometry::length::{SCALES, shown};
 use scaleproof_plot::lettering::number;
 use scaleproof_surface::pattern::Pattern;
@@ -102,12 +103,12 @@ pub enum Front {
 }
 
 impl Front {
-    fn direction(self) -> Option<(f64, f64)> {
+    fn direction(self) -> Option<Point2> {
         match self {
-            Self::Left => Some((-1.0, 0.0)),
-            Self::Right => Some((1.0, 0.0)),
-            Self::Up => Some((0.0, 1.0)),
-            Self::Down => Some((0.0, -1.0)),
+            Self::Left => Some([-1.0, 0.0]),
+            Self::Right => Some([1.0, 0.0]),
+            Self::Up => Some([0.0, 1.0]),
+            Self::Down => Some([0.0, -1.0]),
             Self::None => None,
         }
     }
@@ -183,7 +184,7 @@ fn drawn(
     let layout = layout(&request.layout)?;
     stamp.check_placements(&layout.sheets)?;
     let sheet = |plan: &SheetPlan| {
-        let mut marks = vec![stamp.on(plan, (0.0, 0.0))];
+        let mut marks = vec![stamp.on(plan, [0.0; 2])];
         marks.extend(furniture::all(&layout, plan, captions));
         layout.frame.sheet(plan.trim, plan.printed, marks)
     };
@@ -295,18 +296,17 @@ impl PatternStamp {
         Ok(())
     }
 
-    /// Returns the part of the repeated pattern on a sheet; a top-left cell begins at `start_mm` of the template frame.
-    pub(super) fn on(&self, plan: &SheetPlan, start_mm: (f64, f64)) -> Mark {
+    /// Returns the part of the repeated pattern on a sheet; a top-left cell begins at `start_x`, `start_y` of the template frame.
+    pub(super) fn on(&self, plan: &SheetPlan, [start_x, start_y]: Point2) -> Mark {
         let (carried, printed) = (plan.carried, plan.printed);
-        let (start_x, start_y) = start_mm;
         let columns = blocks(carried.left_mm - start_x, carried.right_mm - start_x, self.width_mm);
         let rows = blocks(carried.top_mm - start_y, carried.bottom_mm - start_y, self.height_mm);
         let at = rows
             .flat_map(|row| columns.clone().map(move |column| (row, column)))
             .map(|(row, column)| {
-                let x_mm = printed.left_mm + (start_x + f64::from(column) * self.width_mm - carried.left_mm);
-                let y_mm = printed.top_mm - (start_y + f64::from(row) * self.height_mm - carried.top_mm);
-                PointMm { x_mm, y_mm }
+                let x = printed.left_mm + (start_x + f64::from(column) * self.width_mm - carried.left_mm);
+                let y = printed.top_mm - (start_y + f64::from(row) * self.height_mm - carried.top_mm);
+                [x, y]
             });
         match &self.block {
             Block::Cells(stamp) => Mark::Stamped {
@@ -315,9 +315,9 @@ impl PatternStamp {
                 clip: printed,
             },
             Block::Image(image, size_mm) => {
-                let placed = at.map(|PointMm { x_mm, y_mm }| Mark::Image {
+                let placed = at.map(|[x, y]: Point2| Mark::Image {
                     image: Arc::clone(image),
-                    area: RectMm::new(x_mm, y_mm - size_mm.1, x_mm + size_mm.0, y_mm),
+                    area: RectMm::new(x, y - size_mm.1, x + size_mm.0, y),
                 });
                 Mark::clipped(printed, placed.collect())
             }

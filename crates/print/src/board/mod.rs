@@ -7,7 +7,7 @@ pub use scaleproof_pose::board::Definition;
 use super::SheetError;
 use super::frame::PageFrame;
 use super::media::Media;
-use super::sheet::{Mark, PointMm, RectMm, Sheet};
+use super::sheet::{Mark, RectMm, Sheet};
 use super::template::making;
 use scaleproof_core::geometry::length::{self, BadLength};
 use scaleproof_plot::lettering::size;
@@ -188,7 +188,7 @@ pub fn board(request: &BoardRequest) -> Result<Board, BoardError> {
             free_mm: size((width - 2.0 * QUIET_MM, height - 2.0 * QUIET_MM)),
         });
     };
-    let corner = PointMm::new(area.left_mm, area.top_mm);
+    let corner = [area.left_mm, area.top_mm];
     let marks = vec![Mark::black(draw::black(&definition, corner)?)];
     let captions = captions(&definition, &media);
     let sheet = page.labelled(page.printable, marks, &captions, definition.name());

@@ -13,7 +13,7 @@ mod seams;
 
 pub use draw::{CUT_ROOM_MM, EDGE_DASH_MM, EDGE_LINE_MM, cut_line, cutter_path, moved, wrap};
 pub use panel::{Face, PRINTED, PaintedSurface, Panel};
-pub use region::{Contour, Point, Region, corners};
+pub use region::{Contour, Region, corners};
 
 use super::SheetError;
 use super::media::Media;
@@ -21,6 +21,7 @@ use super::paper::Orientation;
 use super::raster::RasterError;
 use super::sheet::Sheet;
 use super::template::{Front, LayoutRequest, SheetLayout, SheetPlan, TemplateError, TemplateRequest, layout};
+use scaleproof_core::geometry::Point2;
 use scaleproof_core::spelling::count;
 use scaleproof_plot::lettering::number;
 use scaleproof_surface::mesh::Mesh;
@@ -76,7 +77,7 @@ impl WrapRequest {
         side: Side,
         region: &Region,
         room_mm: f64,
-    ) -> Result<(TemplateRequest, SheetLayout, Point), SheetError> {
+    ) -> Result<(TemplateRequest, SheetLayout, Point2), SheetError> {
         let (low, high) = region.bounds().unwrap_or_default();
         let [width, height] = [0, 1].map(|axis| high[axis] - low[axis] + 2.0 * room_mm);
         let template = self.template(side, (width, height));
@@ -114,18 +115,18 @@ pub struct SpreadPanel {
     pub panel: Panel,
     pub layout: SheetLayout,
     /// (u, v) of the top-left corner of the layout's template, mm.
-    pub corner: Point,
+    pub corner: Point2,
 }
 
 impl SpreadPanel {
     /// Returns the page position of (u, v) = (0, 0) on a sheet: the offset from the plane to the page.
-    pub fn moved_by_mm(&self, plan: &SheetPlan) -> Point {
+    pub fn moved_by_mm(&self, plan: &SheetPlan) -> Point2 {
         moved_by_mm(plan, self.corner)
     }
 }
 
 /// Returns the page position of (u, v) = (0, 0) on a sheet whose template's top-left corner is at `corner` of the plane.
-pub(super) fn moved_by_mm(plan: &SheetPlan, corner: Point) -> Point {
+pub(super) fn moved_by_mm(plan: &SheetPlan, corner: Point2) -> Point2 {
     [
         plan.printed.left_mm - plan.carried.left_mm - corner[0],
         plan.printed.top_mm + plan.carried.top_mm - corner[1],
