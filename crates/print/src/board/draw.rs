@@ -1,9 +1,10 @@
 //! Drawing of the black parts of a board.
 
-use super::{BoardError, Definition};
+use super::BoardError;
 use crate::shapes::{OutlineMm, TagPlacement, black_modules};
 use crate::sheet::RectMm;
 use scaleproof_core::geometry::Point2;
+use scaleproof_pose::board::Definition;
 use scaleproof_pose::scene::TagFamily;
 use scaleproof_pose::tags::{MarkerDictionary, Modules, TagImage};
 
