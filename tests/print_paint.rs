@@ -12,6 +12,7 @@ use image::{Rgb, RgbImage};
 use proptest::prelude::*;
 use raster::{Stencil, filled};
 use render::{done, pages, scaleproof, usual_request, words};
+use scaleproof_core::geometry::Point2;
 use scaleproof_print::paint::{PaintRequest, PaintSheets, paint_sheets};
 use scaleproof_print::sheet::{Mark, Sheet};
 use scaleproof_print::template::{Front, LayoutRequest, SheetPlan, TemplateRequest};
@@ -243,7 +244,7 @@ fn cut_outlines(sheet: &Sheet) -> Vec<Vec<(f64, f64)>> {
         _ => None,
     });
     let place = |o: &Vec<_>| {
-        let corner = |p: &scaleproof_print::sheet::PointMm| (p.x_mm - sheet.trim.left_mm, sheet.trim.top_mm - p.y_mm);
+        let corner = |p: &Point2| (p[0] - sheet.trim.left_mm, sheet.trim.top_mm - p[1]);
         o.iter().map(corner).collect()
     };
     cuts.flatten().map(place).collect()

@@ -319,7 +319,7 @@ fn place_strips_put_cards_where_the_scene_says() {
         // From the strip's own frame, its middle as origin, to the ground.
         let [c, s] = strip.place.right;
         let centre = strip.place.centre;
-        let on_ground = |x: f64, y: f64| [centre.x_mm + c * x - s * y, centre.y_mm + s * x + c * y];
+        let on_ground = |x: f64, y: f64| [centre[0] + c * x - s * y, centre[1] + s * x + c * y];
         let on_page = |x: f64, y: f64| {
             [
                 (cut.area.left_mm + cut.area.right_mm) / 2.0 + x,
@@ -344,12 +344,7 @@ fn place_strips_put_cards_where_the_scene_says() {
         // The root lies on the mat's paper, and not on a tag.
         for p in strip.root() {
             let paper = ground.paper;
-            assert!(
-                p.x_mm >= paper.left_mm
-                    && p.x_mm <= paper.right_mm
-                    && p.y_mm >= paper.bottom_mm
-                    && p.y_mm <= paper.top_mm
-            );
+            assert!(p[0] >= paper.left_mm && p[0] <= paper.right_mm && p[1] >= paper.bottom_mm && p[1] <= paper.top_mm);
         }
         assert!(strip.root_mm >= 30.0);
     }

@@ -26,11 +26,11 @@ impl Card {
         let mut level: Vec<(f64, f64, f64, bool)> = Vec::new();
         for mark in &sheet.marks {
             if let Mark::Line(Line { from, to, dash_mm, .. }) = mark
-                && from.y_mm == to.y_mm
+                && from[1] == to[1]
                 && sheet.trim.left_mm < 6.0
             {
-                let ends = (from.x_mm.min(to.x_mm), from.x_mm.max(to.x_mm));
-                level.push((ends.0, ends.1, from.y_mm, dash_mm.is_some()));
+                let ends = (from[0].min(to[0]), from[0].max(to[0]));
+                level.push((ends.0, ends.1, from[1], dash_mm.is_some()));
             }
         }
         let mut cards = Vec::new();

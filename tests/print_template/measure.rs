@@ -215,11 +215,11 @@ pub fn assert_rulers(printed: &Printed) {
         printed.layout.frame.vertical_ruler,
     );
     for page in &printed.pages {
-        let horizontal = Scan::new(printed, page, false, page_top - h.y_mm + 0.75);
-        let vertical = Scan::new(printed, page, true, v.x_mm - 0.75);
+        let horizontal = Scan::new(printed, page, false, page_top - h[1] + 0.75);
+        let vertical = Scan::new(printed, page, true, v[0] - 0.75);
         let mut worst = 0.0f64;
         for mm in (0..=100).map(f64::from) {
-            let (x, y) = (h.x_mm + mm, page_top - v.y_mm - mm);
+            let (x, y) = (h[0] + mm, page_top - v[1] - mm);
             worst = worst
                 .max((horizontal.dark_line_mm(x) - x).abs())
                 .max((vertical.dark_line_mm(y) - y).abs());

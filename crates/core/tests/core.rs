@@ -8,6 +8,8 @@ mod ap;
 mod bbox;
 #[path = "core/bootstrap.rs"]
 mod bootstrap;
+#[path = "core/clip.rs"]
+mod clip;
 #[path = "core/files.rs"]
 mod files;
 #[path = "core/flips.rs"]

@@ -2,25 +2,26 @@
 
 use smallvec::SmallVec;
 
-use super::wrap::{Point, corners};
+use super::wrap::corners;
+use scaleproof_core::geometry::Point2;
 
 /// Returns the corners of the bounding box of points, grown on all sides: lowest, highest.
-pub fn bounds<'a>(points: impl IntoIterator<Item = &'a Point>, grown_mm: f64) -> (Point, Point) {
+pub fn bounds<'a>(points: impl IntoIterator<Item = &'a Point2>, grown_mm: f64) -> (Point2, Point2) {
     let (low, high) = corners(points);
     (low.map(|mm| mm - grown_mm), high.map(|mm| mm + grown_mm))
 }
 
 /// Items by position: a grid of buckets.
 pub struct Buckets {
-    low: Point,
-    step: Point,
+    low: Point2,
+    step: Point2,
     columns: usize,
     rows: usize,
     lists: Vec<Vec<u32>>,
 }
 
 impl Buckets {
-    pub fn new(low: Point, high: Point, boxes: impl ExactSizeIterator<Item = (Point, Point)>) -> Self {
+    pub fn new(low: Point2, high: Point2, boxes: impl ExactSizeIterator<Item = (Point2, Point2)>) -> Self {
         const MOST: f64 = 400.0;
         let size = [0, 1].map(|axis| (high[axis] - low[axis]).max(1e-6));
         // About one item per bucket, with square buckets.
@@ -44,13 +45,13 @@ impl Buckets {
         buckets
     }
 
-    fn index(&self, p: Point, axis: usize) -> usize {
+    fn index(&self, p: Point2, axis: usize) -> usize {
         let count = if axis == 0 { self.columns } else { self.rows };
         (((p[axis] - self.low[axis]) / self.step[axis]).max(0.0) as usize).min(count - 1)
     }
 
     /// Returns the indices of the buckets that a box touches, row by row.
-    fn cells(&self, (from, to): (Point, Point)) -> impl Iterator<Item = usize> + use<> {
+    fn cells(&self, (from, to): (Point2, Point2)) -> impl Iterator<Item = usize> + use<> {
         let width = self.columns;
         let (first, last) = (self.index(from, 0), self.index(to, 0));
         let rows = self.index(from, 1)..=self.index(to, 1);
@@ -58,7 +59,7 @@ impl Buckets {
     }
 
     /// Returns the indices of all items that may touch a box, ascending.
-    pub fn over(&self, corners: (Point, Point)) -> SmallVec<[u32; 16]> {
+    pub fn over(&self, corners: (Point2, Point2)) -> SmallVec<[u32; 16]> {
         let all = self.cells(corners).flat_map(|i| &self.lists[i]);
         let mut found: SmallVec<[u32; 16]> = all.copied().collect();
         found.sort_unstable();
@@ -67,7 +68,7 @@ impl Buckets {
     }
 
     /// Returns the indices of the items near a point; `None` outside of all buckets.
-    pub fn at(&self, p: Point) -> Option<&[u32]> {
+    pub fn at(&self, p: Point2) -> Option<&[u32]> {
         let high = |axis: usize, count: usize| self.low[axis] + self.step[axis] * count as f64;
         let outside = |axis: usize, count: usize| p[axis] < self.low[axis] || p[axis] > high(axis, count);
         if outside(0, self.columns) || outside(1, self.rows) {

@@ -4,7 +4,7 @@ use super::SheetError;
 use super::frame::PageFrame;
 use super::media::Media;
 use super::shapes::{TagPlacement, black_modules};
-use super::sheet::{Mark, PointMm, RectMm, Sheet};
+use super::sheet::{Mark, RectMm, Sheet};
 use super::template::making;
 use crate::colour_chart::layout::{ChartKind, ChartLayout, FAMILY, PATCH_MM, TAG_MM};
 use scaleproof_plot::lettering::{number, size};
@@ -33,11 +33,11 @@ pub struct PrintedChart {
 pub fn chart(media: Media) -> Result<PrintedChart, ChartPrintError> {
     let (layout, page, area) = placed(media)?;
     // The chart's y runs down, the page's up.
-    let on_page = |[x, y]: [f64; 2]| PointMm::new(area.left_mm + x, area.top_mm - y);
+    let on_page = |[x, y]: [f64; 2]| [area.left_mm + x, area.top_mm - y];
     let mut marks = Vec::new();
     for patch in &layout.patches {
         let (centre, h) = (on_page(patch.cell.centre_mm()), PATCH_MM / 2.0);
-        let area = RectMm::new(centre.x_mm - h, centre.y_mm - h, centre.x_mm + h, centre.y_mm + h);
+        let area = RectMm::new(centre[0] - h, centre[1] - h, centre[0] + h, centre[1] + h);
         marks.push(Mark::fill(area, patch.asked_rgb));
     }
     for tag in &layout.tags {

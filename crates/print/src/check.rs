@@ -57,8 +57,8 @@ pub fn plan(media: &Media) -> Result<CheckPlan, SheetError> {
             needed_mm: size((more.0.ceil(), more.1.ceil())),
         });
     }
-    let square = RectMm::sized((area.left_mm, area.bottom_mm), (SQUARE_MM, SQUARE_MM));
-    let long_box = RectMm::sized((area.left_mm, square.top_mm + GAP_MM), BOX_MM);
+    let square = RectMm::sized([area.left_mm, area.bottom_mm], (SQUARE_MM, SQUARE_MM));
+    let long_box = RectMm::sized([area.left_mm, square.top_mm + GAP_MM], BOX_MM);
     Ok(CheckPlan {
         frame,
         square,
@@ -72,7 +72,7 @@ pub fn check(media: &Media) -> Result<Vec<Sheet>, SheetError> {
     marks.extend(outline(plan.square));
     marks.extend(diagonals(plan.square));
     marks.extend(outline(plan.long_box));
-    let label = (plan.long_box.left_mm + 3.0, plan.long_box.top_mm - LEADING_MM);
+    let label = [plan.long_box.left_mm + 3.0, plan.long_box.top_mm - LEADING_MM];
     marks.push(Mark::text(label, TEXT_MM, TextAnchor::Left, "10 × 5 cm"));
     marks.extend(head(&plan));
     marks.extend(blanks(&plan));
@@ -84,22 +84,22 @@ pub fn check(media: &Media) -> Result<Vec<Sheet>, SheetError> {
 /// Draws a rectangle whose lines are centred on its edges, with closed corners.
 fn outline(r: RectMm) -> Vec<Mark> {
     let more = 0.5 * LINE_MM;
-    let across = |y: f64| Mark::line((r.left_mm - more, y), (r.right_mm + more, y), LINE_MM);
-    let down = |x: f64| Mark::line((x, r.bottom_mm - more), (x, r.top_mm + more), LINE_MM);
+    let across = |y: f64| Mark::line([r.left_mm - more, y], [r.right_mm + more, y], LINE_MM);
+    let down = |x: f64| Mark::line([x, r.bottom_mm - more], [x, r.top_mm + more], LINE_MM);
     vec![across(r.bottom_mm), across(r.top_mm), down(r.left_mm), down(r.right_mm)]
 }
 
 fn diagonals(r: RectMm) -> Vec<Mark> {
     vec![
-        Mark::line((r.left_mm, r.bottom_mm), (r.right_mm, r.top_mm), LINE_MM),
-        Mark::line((r.left_mm, r.top_mm), (r.right_mm, r.bottom_mm), LINE_MM),
+        Mark::line([r.left_mm, r.bottom_mm], [r.right_mm, r.top_mm], LINE_MM),
+        Mark::line([r.left_mm, r.top_mm], [r.right_mm, r.bottom_mm], LINE_MM),
     ]
 }
 
 fn head(plan: &CheckPlan) -> Vec<Mark> {
     let area = plan.frame.usable;
     let title_y = area.top_mm - CAP_HEIGHT * TITLE_MM;
-    let line = |y: f64, size_mm: f64, text: String| Mark::text((area.left_mm, y), size_mm, TextAnchor::Left, text);
+    let line = |y: f64, size_mm: f64, text: String| Mark::text([area.left_mm, y], size_mm, TextAnchor::Left, text);
     let mut marks = vec![line(title_y, TITLE_MM, "Printer check".to_owned())];
     let steps = [
         "1. Print at 100 %, without fit to page, on the paper of the later sheets. Let the ink dry.",
@@ -141,10 +141,10 @@ fn blanks(plan: &CheckPlan) -> Vec<Mark> {
         for (what, nominal_mm) in blanks {
             let nominal = number((nominal_mm * 10.0).round() / 10.0);
             let line = format!("{what} (of {nominal} mm)");
-            marks.push(Mark::text((left, y), TEXT_MM, TextAnchor::Left, line));
+            marks.push(Mark::text([left, y], TEXT_MM, TextAnchor::Left, line));
             let blank_y = y - 2.2 * LEADING_MM;
-            marks.push(Mark::line((left, blank_y), (left + 30.0, blank_y), LINE_MM));
-            marks.push(Mark::text((left + 31.0, blank_y), TEXT_MM, TextAnchor::Left, "mm"));
+            marks.push(Mark::line([left, blank_y], [left + 30.0, blank_y], LINE_MM));
+            marks.push(Mark::text([left + 31.0, blank_y], TEXT_MM, TextAnchor::Left, "mm"));
             y = blank_y - 2.0 * LEADING_MM;
         }
     }

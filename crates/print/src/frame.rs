@@ -5,9 +5,9 @@
 
 use super::paper::{MAX_SIDE_MM, Paper, Stock, roll_page};
 use super::printer::Printer;
-use super::sheet::{Mark, PointMm, RectMm, Sheet};
+use super::sheet::{Mark, RectMm, Sheet};
 use super::{SheetError, ruler};
-use scaleproof_core::geometry::length;
+use scaleproof_core::geometry::{Point2, length};
 use scaleproof_plot::lettering::size;
 
 /// Width of the free strip around the content for the crop marks.
@@ -65,9 +65,9 @@ pub struct PageFrame {
     /// Part of the page for content; rulers, marks and captions stay outside it.
     pub usable: RectMm,
     /// Zero of the ruler along x; its ticks and labels are below.
-    pub horizontal_ruler: PointMm,
+    pub horizontal_ruler: Point2,
     /// Zero of the ruler along y; its ticks and labels are to the left.
-    pub vertical_ruler: PointMm,
+    pub vertical_ruler: Point2,
 }
 
 impl PageFrame {
@@ -100,8 +100,8 @@ impl PageFrame {
             setup,
             printable,
             usable,
-            horizontal_ruler: PointMm::new(usable.left_mm, usable.bottom_mm - CROP_STRIP_MM),
-            vertical_ruler: PointMm::new(usable.left_mm - CROP_STRIP_MM, usable.bottom_mm),
+            horizontal_ruler: [usable.left_mm, usable.bottom_mm - CROP_STRIP_MM],
+            vertical_ruler: [usable.left_mm - CROP_STRIP_MM, usable.bottom_mm],
         })
     }
 
@@ -121,7 +121,7 @@ impl PageFrame {
     pub fn centred(&self, (width_mm, height_mm): (f64, f64)) -> RectMm {
         let left = self.usable.left_mm + (self.usable.width_mm() - width_mm) / 2.0;
         let bottom = self.usable.bottom_mm + (self.usable.height_mm() - height_mm) / 2.0;
-        RectMm::sized((left, bottom), (width_mm, height_mm))
+        RectMm::sized([left, bottom], (width_mm, height_mm))
     }
 
     pub fn usable_size(&self) -> (f64, f64) {

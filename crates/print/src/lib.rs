@@ -30,75 +30,33 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub mod colour_chart;
+pub mod colour_chart; // the colour chart: its layout, and reading it in a photo
+mod error; // reasons why there is no sheet
 
 #[cfg(feature = "full")]
-pub mod board;
-pub mod buckets;
-pub mod chart;
-pub mod check;
-pub mod date;
-pub mod frame;
-pub mod media;
-pub mod output;
-pub mod pack;
-pub mod page;
-pub mod paint;
-pub mod paper;
-pub mod patch;
-pub mod pdf;
-pub mod polygon;
-pub mod printer;
-pub mod raster;
-pub mod ruler;
-pub mod shapes;
-pub mod sheet;
-pub mod svg;
-pub mod tags;
-pub mod template;
-pub mod wrap;
+pub mod board; // calibration boards
+pub mod buckets; // spatial index of items in a plane
+pub mod chart; // the colour chart on a sheet
+pub mod check; // the page by which a printer is measured
+pub mod date; // dates of the captions
+pub mod frame; // areas of a page: printable, usable, rulers
+pub mod media; // paper, printer and date of a print
+pub mod output; // sheets as files: one PDF, or an SVG each
+pub mod pack; // rectangles packed on pages
+pub mod page; // pages with rulers and captions around free content
+pub mod paint; // paint by number, and stencils
+pub mod paper; // sizes of paper and rolls
+pub mod patch; // finished patches for the panels of a model
+pub mod pdf; // sheets as PDF
+pub mod polygon; // convex polygons cut by triangles and cells
+pub mod printer; // the measured scale of a printer, and its correction
+pub mod raster; // a painted surface as pixels of a page
+pub mod ruler; // the 100 mm rulers
+pub mod shapes; // filled outlines: tags, strokes, triangles
+pub mod sheet; // a page and the marks on it, in millimetres
+pub mod svg; // sheets as SVG
+pub mod tags; // tags of a scene: tent cards, ground mat, plain cards
+pub mod template; // a repeated pattern on sheets to cut and glue
+pub mod wrap; // five panels of a model
 
-use scaleproof_core::geometry::length::BadLength;
-use scaleproof_core::spelling;
-use scaleproof_plot::pdf::PdfError;
-
-/// Reason why there is no sheet, whatever it would show.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SheetError {
-    #[error(
-        "paper '{text}' is not known; use a0 to a5, letter, legal, tabloid, ledger, WIDTHxHEIGHT in mm, as in 210x297, or a roll by its width, as in roll610{}",
-        spelling::hint(text, paper::Paper::NAMED.map(|(name, _)| name))
-    )]
-    UnknownPaper { text: String },
-    #[error("boards and charts are printed on sheets: give a paper's name, as a4 or letter, or WIDTHxHEIGHT in mm")]
-    Roll,
-    #[error("size '{text}' is not understood; write WIDTHxHEIGHT in mm, as in 600x300")]
-    UnknownSize { text: String },
-    #[error("'{text}' is no date; write YYYY-MM-DD, as in 2026-11-21")]
-    BadDate { text: String },
-    #[error(transparent)]
-    Length(#[from] BadLength),
-    #[error(
-        "the paper ({paper_mm} mm) is too small: with a margin of {margin_mm} mm the 100 mm rulers and the captions need at least \
-         {needed_mm} mm"
-    )]
-    PaperTooSmall {
-        paper_mm: String,
-        margin_mm: f64,
-        needed_mm: String,
-    },
-    #[error(
-        "an overlap of {overlap_mm} mm and a bleed of {bleed_mm} mm leave nothing of the {usable_mm} mm a sheet can carry; use less \
-         of both or larger paper"
-    )]
-    OverlapTooLarge {
-        overlap_mm: f64,
-        bleed_mm: f64,
-        usable_mm: String,
-    },
-    #[error("this needs more than {most} sheets; use larger paper, less overlap or a smaller size")]
-    TooManySheets { most: usize },
-    #[error(transparent)]
-    Pdf(#[from] PdfError),
-}
+pub use error::SheetError;

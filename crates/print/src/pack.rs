@@ -1,6 +1,7 @@
 //! Packing of rectangles on pages, in rows from the top left.
 
-use crate::sheet::{PointMm, RectMm};
+use crate::sheet::RectMm;
+use scaleproof_core::geometry::Point2;
 
 const GAP_MM: f64 = 4.0;
 
@@ -9,7 +10,7 @@ pub struct Spot {
     /// Index of the page, from 0.
     pub page: usize,
     /// Lower left corner of the rectangle (page frame).
-    pub at: PointMm,
+    pub at: Point2,
 }
 
 /// Packs rectangles of some (width, height) into an area: the highest first, each into the first row of any page that has room for it. The spots come
@@ -40,7 +41,7 @@ pub fn tight(sizes: &[(f64, f64)], area: RectMm) -> Result<Vec<Spot>, usize> {
         let row = &mut rows[at];
         spots[i] = Some(Spot {
             page: row.page,
-            at: PointMm::new(row.x_mm, row.top_mm - height),
+            at: [row.x_mm, row.top_mm - height],
         });
         row.x_mm += width + GAP_MM;
         row.bottom_mm = row.bottom_mm.min(row.top_mm - height);

@@ -25,7 +25,7 @@ impl PageFrame {
         }));
         let room = (LABEL_MM, LABEL_WIDTH_MM - 2.0);
         marks.push(Mark::fitted(
-            (right_mm, bottom_mm + 0.8),
+            [right_mm, bottom_mm + 0.8],
             room,
             TextAnchor::Right,
             label,

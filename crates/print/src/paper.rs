@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use super::SheetError;
 use scaleproof_core::geometry::length::{parse_mm, parse_sides_mm};
+use scaleproof_core::spelling;
 
 /// Maximum side of a PDF page without a user unit: 14 400 pt (ISO 32000-1, annex C.2), rounded down.
 pub const MAX_SIDE_MM: f64 = 5000.0;
@@ -78,8 +79,15 @@ impl FromStr for Paper {
         }
         let is_side = |mm: &f64| *mm > 0.0 && *mm <= MAX_SIDE_MM;
         let sides = parse_sides_mm(&text).filter(|sides| sides.iter().all(is_side));
-        let [width_mm, height_mm] = sides.ok_or(SheetError::UnknownPaper { text })?;
+        let [width_mm, height_mm] = sides.ok_or_else(|| unknown(&text))?;
         Ok(Self { width_mm, height_mm })
+    }
+}
+
+fn unknown(text: &str) -> SheetError {
+    SheetError::UnknownPaper {
+        text: text.to_owned(),
+        near: spelling::hint(text, Paper::NAMED.map(|(name, _)| name)),
     }
 }
 
@@ -119,7 +127,7 @@ impl FromStr for Stock {
         };
         match parse_mm(&width) {
             Ok(width_mm) if width_mm > 0.0 && width_mm <= MAX_SIDE_MM => Ok(Self::Roll { width_mm }),
-            _ => Err(SheetError::UnknownPaper { text: text.to_owned() }),
+            _ => Err(unknown(text)),
         }
     }
 }

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
+use super::sheet::{Fill, Mark, RectMm, Sheet, Stamp};
 use super::template::{TemplateError, check_scale, furniture};
-use super::wrap::{Panel, Point, Region, WrapRequest, cut_line, cutter_path, moved, moved_by_mm};
+use super::wrap::{Panel, Region, WrapRequest, cut_line, cutter_path, moved, moved_by_mm};
 use super::{SheetError, printer};
+use scaleproof_core::geometry::Point2;
 use scaleproof_core::geometry::length::{self, BadLength, shown};
 use scaleproof_plot::lettering::number;
 use scaleproof_surface::pattern::picture::{Picture, PictureError};
@@ -52,7 +53,7 @@ pub struct PanelPatch {
     pub image: Picture,
     pub side: Side,
     /// Centre in the panel's plane: (u, v), see [`Side`].
-    pub at_mm: Point,
+    pub at_mm: Point2,
     pub size_mm: (f64, f64),
 }
 
@@ -61,7 +62,7 @@ impl PanelPatch {
         match stamp {
             Some(stamp) => Mark::Stamped {
                 stamp: Arc::clone(stamp),
-                at: vec![PointMm::new(area.left_mm, area.top_mm)],
+                at: vec![[area.left_mm, area.top_mm]],
                 clip: area,
             },
             None => Mark::Image {
@@ -109,8 +110,7 @@ impl PanelPatch {
     }
 
     fn region(&self) -> Region {
-        let corners = self.area().outline();
-        Region::union(vec![corners.iter().map(|p| [p.x_mm, p.y_mm]).collect()])
+        Region::union(vec![self.area().outline()])
     }
 }
 
@@ -176,7 +176,7 @@ impl Patches {
         &mut self,
         name: &str,
         region: &Region,
-        edges: &[[Point; 2]],
+        edges: &[[Point2; 2]],
         on_it: &[&PanelPatch],
         request: &WrapRequest,
     ) -> Result<(), SheetError> {
@@ -193,7 +193,7 @@ impl Patches {
             let by = moved_by_mm(plan, corner);
             let images = on_it.iter().zip(&stamps);
             let images = images.map(|(patch, stamp)| patch.mark(stamp.as_ref(), patch.area().moved(by)));
-            let at = |p: &Point| (p[0] + by[0], p[1] + by[1]);
+            let at = |p: &Point2| [p[0] + by[0], p[1] + by[1]];
             let mut content = vec![Mark::Clipped {
                 to: moved(region.contours(), by),
                 marks: images.collect(),

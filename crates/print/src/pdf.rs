@@ -13,7 +13,8 @@ use printpdf::{
 };
 
 use super::SheetError;
-use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Srgb8, Stamp, TextAnchor, number_of};
+use super::sheet::{Fill, Mark, RectMm, Sheet, Srgb8, Stamp, TextAnchor, number_of};
+use scaleproof_core::geometry::Point2;
 use scaleproof_plot::lettering;
 use scaleproof_plot::pdf::{PdfError, bytes_of, font, name};
 
@@ -206,9 +207,9 @@ fn mark_ops(mark: &Mark, stamps: &mut Stamps) -> Vec<Op> {
         Mark::Text(line) => {
             let (at, width_mm) = (line.at, lettering::width_mm(&line.text, line.size_mm));
             let left_mm = match line.anchor {
-                TextAnchor::Left => at.x_mm,
-                TextAnchor::Centre => at.x_mm - 0.5 * width_mm,
-                TextAnchor::Right => at.x_mm - width_mm,
+                TextAnchor::Left => at[0],
+                TextAnchor::Centre => at[0] - 0.5 * width_mm,
+                TextAnchor::Right => at[0] - width_mm,
             };
             vec![
                 Op::StartTextSection,
@@ -218,7 +219,7 @@ fn mark_ops(mark: &Mark, stamps: &mut Stamps) -> Vec<Op> {
                     size: pt(line.size_mm),
                 },
                 Op::SetTextMatrix {
-                    matrix: TextMatrix::Translate(pt(left_mm), pt(at.y_mm)),
+                    matrix: TextMatrix::Translate(pt(left_mm), pt(at[1])),
                 },
                 Op::ShowText {
                     items: vec![TextItem::Text(line.text.clone())],
@@ -250,8 +251,8 @@ fn mark_ops(mark: &Mark, stamps: &mut Stamps) -> Vec<Op> {
             let places = at.iter().map(|place| Op::UseXobject {
                 id: id.clone(),
                 transform: XObjectTransform {
-                    translate_x: Some(pt(place.x_mm)),
-                    translate_y: Some(pt(place.y_mm)),
+                    translate_x: Some(pt(place[0])),
+                    translate_y: Some(pt(place[1])),
                     no_auto_scale: true,
                     ..XObjectTransform::default()
                 },
@@ -284,16 +285,16 @@ fn rectangle(area: RectMm, mode: PaintMode) -> Op {
     Op::DrawRectangle { rectangle }
 }
 
-fn line_point(p: &PointMm) -> LinePoint {
+fn line_point(p: &Point2) -> LinePoint {
     let p = Point {
-        x: pt(p.x_mm),
-        y: pt(p.y_mm),
+        x: pt(p[0]),
+        y: pt(p[1]),
     };
     LinePoint { p, bezier: false }
 }
 
-fn polygon(outlines: &[Vec<PointMm>], mode: PaintMode) -> Op {
-    let ring = |outline: &Vec<PointMm>| PolygonRing {
+fn polygon(outlines: &[Vec<Point2>], mode: PaintMode) -> Op {
+    let ring = |outline: &Vec<Point2>| PolygonRing {
         points: outline.iter().map(line_point).collect(),
     };
     let polygon = Polygon {

@@ -4,16 +4,16 @@ use std::ops::RangeInclusive;
 
 use smallvec::SmallVec;
 
-use super::wrap::Point;
-use scaleproof_core::geometry::{doubled_area, extent};
+use scaleproof_core::geometry::clip::clip;
+use scaleproof_core::geometry::{Point2, doubled_area, extent};
 
 /// Corners of a convex polygon: a pixel cut by a triangle and by the borders of a cell rarely has more than eight.
-pub type Polygon = SmallVec<[Point; 8]>;
+pub type Polygon = SmallVec<[Point2; 8]>;
 
 /// Affine function on the plane, such as the image column on a flat triangle.
 #[derive(Debug, Clone, Copy)]
 pub struct Affine {
-    origin: Point,
+    origin: Point2,
     value: f64,
     slope: [f64; 2],
     /// Lowest and highest value on the triangle.
@@ -22,7 +22,7 @@ pub struct Affine {
 
 impl Affine {
     /// Returns the function with these values at a triangle's corners; `None` for a triangle without area, and for values out of range.
-    pub fn through([a, b, c]: &[Point; 3], values: [f64; 3]) -> Option<Self> {
+    pub fn through([a, b, c]: &[Point2; 3], values: [f64; 3]) -> Option<Self> {
         let doubled = doubled_area(*a, *b, *c);
         let [along_b, along_c] = [values[1] - values[0], values[2] - values[0]];
         let slope = [
@@ -39,12 +39,12 @@ impl Affine {
         })
     }
 
-    fn at(&self, p: &Point) -> f64 {
+    fn at(&self, p: &Point2) -> f64 {
         self.value + self.slope[0] * (p[0] - self.origin[0]) + self.slope[1] * (p[1] - self.origin[1])
     }
 
     /// Returns the range of the function's values on a polygon in the triangle, rounded down to integers.
-    pub fn cells(&self, polygon: &[Point]) -> RangeInclusive<i64> {
+    pub fn cells(&self, polygon: &[Point2]) -> RangeInclusive<i64> {
         let [low, high] = self.range;
         let cell = |value: f64| value.clamp(low, high).floor() as i64;
         let (lowest, highest) = extent(polygon.iter().map(|p| self.at(p)));
@@ -53,7 +53,12 @@ impl Affine {
 }
 
 /// Slices a polygon by the integer part of the value: calls `found` with each integer and the part where the value lies between it and the next.
-pub fn each_slice(polygon: &[Point], value: &Affine, cells: RangeInclusive<i64>, mut found: impl FnMut(i64, &[Point])) {
+pub fn each_slice(
+    polygon: &[Point2],
+    value: &Affine,
+    cells: RangeInclusive<i64>,
+    mut found: impl FnMut(i64, &[Point2]),
+) {
     let (first, last) = cells.into_inner();
     if first == last {
         return found(first, polygon);
@@ -61,7 +66,7 @@ pub fn each_slice(polygon: &[Point], value: &Affine, cells: RangeInclusive<i64>,
     let mut rest = Polygon::from_slice(polygon);
     let (mut part, mut beyond) = (Polygon::new(), Polygon::new());
     for cell in first..last {
-        let above = |p: &Point| value.at(p) - (cell + 1) as f64;
+        let above = |p: &Point2| value.at(p) - (cell + 1) as f64;
         cut(&rest, above, &mut beyond);
         if beyond.is_empty() {
             found(cell, &rest);
@@ -76,7 +81,7 @@ pub fn each_slice(polygon: &[Point], value: &Affine, cells: RangeInclusive<i64>,
 }
 
 /// Clips a polygon to a triangle.
-pub fn within(polygon: &[Point], [a, b, c]: &[Point; 3]) -> Polygon {
+pub fn within(polygon: &[Point2], [a, b, c]: &[Point2; 3]) -> Polygon {
     let turn = doubled_area(*a, *b, *c).signum();
     let (mut part, mut less) = (Polygon::from_slice(polygon), Polygon::new());
     for (from, to) in [(a, b), (b, c), (c, a)] {
@@ -86,25 +91,13 @@ pub fn within(polygon: &[Point], [a, b, c]: &[Point; 3]) -> Polygon {
     part
 }
 
-/// Clips a polygon to the half-plane where an affine function is not negative (Sutherland & Hodgman 1974).
-fn cut(polygon: &[Point], value: impl Fn(&Point) -> f64, part: &mut Polygon) {
+/// Clips a polygon to the half-plane where an affine function is not negative.
+fn cut(polygon: &[Point2], value: impl Fn(&Point2) -> f64, part: &mut Polygon) {
     part.clear();
-    let Some(mut before) = polygon.last() else { return };
-    let mut value_before = value(before);
-    for p in polygon {
-        let here = value(p);
-        if (here < 0.0) != (value_before < 0.0) {
-            let share = value_before / (value_before - here);
-            part.push([0, 1].map(|axis| before[axis] + share * (p[axis] - before[axis])));
-        }
-        if here >= 0.0 {
-            part.push(*p);
-        }
-        (before, value_before) = (p, here);
-    }
+    clip(polygon, value, |corner| part.push(corner));
 }
 
-pub fn area(polygon: &[Point]) -> f64 {
+pub fn area(polygon: &[Point2]) -> f64 {
     let Some((first, rest)) = polygon.split_first() else {
         return 0.0;
     };

@@ -7,8 +7,9 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::ruler;
-use super::sheet::{Fill, Line, Mark, PointMm, RectMm, Sheet, Stamp, Text};
+use super::sheet::{Fill, Line, Mark, RectMm, Sheet, Stamp, Text};
 use scaleproof_core::files;
+use scaleproof_core::geometry::Point2;
 use scaleproof_core::geometry::length::shown;
 use scaleproof_plot::lettering::number;
 use scaleproof_surface::pattern::printed::PrintedColours;
@@ -211,7 +212,7 @@ pub fn corrected(mut sheets: Vec<Sheet>, stretch: (f64, f64)) -> Vec<Sheet> {
     }
     let mut stamps = Vec::new();
     for sheet in &mut sheets {
-        let centre = PointMm::new(0.5 * sheet.width_mm, 0.5 * sheet.height_mm);
+        let centre = [0.5 * sheet.width_mm, 0.5 * sheet.height_mm];
         let page = PageStretch {
             factors: stretch,
             centre,
@@ -233,26 +234,26 @@ type StretchedStamp = (Arc<Stamp>, Arc<Stamp>);
 
 struct PageStretch {
     factors: (f64, f64),
-    centre: PointMm,
+    centre: Point2,
 }
 
 impl PageStretch {
-    fn point(&self, p: PointMm) -> PointMm {
+    fn point(&self, p: Point2) -> Point2 {
         let c = self.centre;
-        PointMm::new(
-            c.x_mm + (p.x_mm - c.x_mm) * self.factors.0,
-            c.y_mm + (p.y_mm - c.y_mm) * self.factors.1,
-        )
+        [
+            c[0] + (p[0] - c[0]) * self.factors.0,
+            c[1] + (p[1] - c[1]) * self.factors.1,
+        ]
     }
 
-    fn points<'a>(&self, points: impl IntoIterator<Item = &'a mut PointMm>) {
+    fn points<'a>(&self, points: impl IntoIterator<Item = &'a mut Point2>) {
         points.into_iter().for_each(|point| *point = self.point(*point));
     }
 
     fn area(&self, r: RectMm) -> RectMm {
-        let low = self.point(PointMm::new(r.left_mm, r.bottom_mm));
-        let high = self.point(PointMm::new(r.right_mm, r.top_mm));
-        RectMm::new(low.x_mm, low.y_mm, high.x_mm, high.y_mm)
+        let low = self.point([r.left_mm, r.bottom_mm]);
+        let high = self.point([r.right_mm, r.top_mm]);
+        RectMm::new(low[0], low[1], high[0], high[1])
     }
 
     fn apply(&self, marks: &mut [Mark], stamps: &mut Vec<StretchedStamp>) {
@@ -286,7 +287,7 @@ impl PageStretch {
         // A stamp's frame has its own origin, already moved by `at`.
         let own = Self {
             factors: self.factors,
-            centre: PointMm::new(0.0, 0.0),
+            centre: [0.0, 0.0],
         };
         let mut done = Stamp::clone(stamp);
         done.bounds = own.area(done.bounds);

@@ -6,9 +6,9 @@ use image::{Rgb, RgbImage};
 use super::buckets::{Buckets, bounds};
 use super::polygon::{Affine, area, each_slice, within};
 use super::sheet::RectMm;
-use super::wrap::{Point, Region};
+use super::wrap::Region;
 use scaleproof_core::geometry::length::shown;
-use scaleproof_core::geometry::{distance, doubled_area, nearest_share};
+use scaleproof_core::geometry::{Point2, distance, doubled_area, nearest_share};
 use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::light;
 use scaleproof_surface::texture::{SurfacePoint, Texture};
@@ -32,7 +32,7 @@ const DPI: std::ops::RangeInclusive<f64> = 36.0..=2400.0;
 
 #[derive(Debug, Clone)]
 pub struct FlatTriangle {
-    pub flat_mm: [Point; 3],
+    pub flat_mm: [Point2; 3],
     /// Height of each corner along the outward direction: of several triangles over a place, the outermost is visible.
     pub height_mm: [f64; 3],
     /// Index of the triangle in the mesh.
@@ -53,22 +53,22 @@ impl FlatTriangle {
 pub struct Pose {
     /// Cosine and sine of the rotation.
     pub turn: [f64; 2],
-    pub by: Point,
+    pub by: Point2,
 }
 
 impl Pose {
     /// Returns a pure translation.
-    pub fn moved(by: Point) -> Self {
+    pub fn moved(by: Point2) -> Self {
         let turn = [1.0, 0.0];
         Self { turn, by }
     }
 
-    pub fn at(&self, [x, y]: Point) -> Point {
+    pub fn at(&self, [x, y]: Point2) -> Point2 {
         let [c, s] = self.turn;
         [c * x - s * y + self.by[0], s * x + c * y + self.by[1]]
     }
 
-    fn back(&self, [x, y]: Point) -> Point {
+    fn back(&self, [x, y]: Point2) -> Point2 {
         let [c, s] = self.turn;
         let (x, y) = (x - self.by[0], y - self.by[1]);
         [c * x + s * y, c * y - s * x]
@@ -103,7 +103,7 @@ impl PixelGrid {
     }
 
     /// Returns the position on the page of a (fractional) pixel corner.
-    fn place(&self, column: f64, row: f64) -> Point {
+    fn place(&self, column: f64, row: f64) -> Point2 {
         [column * self.pixel_mm, self.page_height_mm - row * self.pixel_mm]
     }
 }
@@ -138,10 +138,10 @@ pub struct FlatPaint<'a> {
     cells: Vec<Option<[Affine; 2]>>,
     outline: &'a Region,
     /// Lowest and highest corner of each triangle.
-    boxes: Vec<(Point, Point)>,
+    boxes: Vec<(Point2, Point2)>,
     faces: Buckets,
     borders: Buckets,
-    ends: Vec<[Point; 2]>,
+    ends: Vec<[Point2; 2]>,
 }
 
 impl<'a> FlatPaint<'a> {
@@ -154,7 +154,7 @@ impl<'a> FlatPaint<'a> {
         bleed_mm: f64,
     ) -> Self {
         let (low, high) = outline.bounds().unwrap_or_default();
-        let ends: Vec<[Point; 2]> = outline.edges().map(|(a, b)| [*a, *b]).collect();
+        let ends: Vec<[Point2; 2]> = outline.edges().map(|(a, b)| [*a, *b]).collect();
         let beside = 1.5 * bleed_mm + 0.1;
         let low_out = low.map(|mm| mm - beside);
         let high_out = high.map(|mm| mm + beside);
@@ -164,7 +164,7 @@ impl<'a> FlatPaint<'a> {
             let [across, up] = [0, 1].map(|axis| Affine::through(&flat.flat_mm, at(axis)));
             Some([across?, up?]).filter(|_| flat.is_alone())
         };
-        let boxes: Vec<(Point, Point)> = triangles.iter().map(|t| bounds(&t.flat_mm, 0.0)).collect();
+        let boxes: Vec<(Point2, Point2)> = triangles.iter().map(|t| bounds(&t.flat_mm, 0.0)).collect();
         Self {
             mesh,
             texture,
@@ -212,7 +212,7 @@ impl<'a> FlatPaint<'a> {
     }
 
     /// Returns the single colour of the pixels between two corners, if that is quickly known.
-    fn of_block(&self, pose: &Pose, grid: PixelGrid, [from, to]: [Point; 2], last: &mut usize) -> Option<[u8; 3]> {
+    fn of_block(&self, pose: &Pose, grid: PixelGrid, [from, to]: [Point2; 2], last: &mut usize) -> Option<[u8; 3]> {
         let square =
             [from, [to[0], from[1]], to, [from[0], to[1]]].map(|[column, row]| pose.back(grid.place(column, row)));
         self.locate(square[0], last)?;
@@ -220,19 +220,19 @@ impl<'a> FlatPaint<'a> {
     }
 
     /// Returns the colour of a convex polygon that lies in triangle `i`, and there in a single cell; else `None`.
-    fn one_colour(&self, i: usize, polygon: &[Point]) -> Option<[u8; 3]> {
+    fn one_colour(&self, i: usize, polygon: &[Point2]) -> Option<[u8; 3]> {
         let [across, up] = self.cells.get(i).copied()??;
         let flat = &self.triangles[i];
         let cells = [across.cells(polygon), up.cells(polygon)];
         let is_one = cells.iter().all(|cells| cells.start() == cells.end());
-        let is_in = |p: &Point| inside(&flat.flat_mm, *p).is_some();
+        let is_in = |p: &Point2| inside(&flat.flat_mm, *p).is_some();
         (is_one && polygon.iter().all(is_in))
             .then(|| self.texture.cell(flat.triangle, cells.map(|cells| *cells.start())))
     }
 
     /// Returns the mean over a pixel, or the colour of the border near it; `None` far beside the surface. `last` is the triangle found last.
-    fn pixel(&self, pose: &Pose, grid: PixelGrid, corner: Point, last: &mut usize) -> Option<[u8; 3]> {
-        let place = |[across, down]: Point| pose.back(grid.place(corner[0] + across, corner[1] + down));
+    fn pixel(&self, pose: &Pose, grid: PixelGrid, corner: Point2, last: &mut usize) -> Option<[u8; 3]> {
+        let place = |[across, down]: Point2| pose.back(grid.place(corner[0] + across, corner[1] + down));
         let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(place);
         if let Some(rgb) = self.one_colour(*last, &square) {
             return Some(rgb);
@@ -254,7 +254,7 @@ impl<'a> FlatPaint<'a> {
         })
     }
 
-    fn sampled(&self, place: impl Fn(Point) -> Point, count: usize, last: &mut usize) -> Found {
+    fn sampled(&self, place: impl Fn(Point2) -> Point2, count: usize, last: &mut usize) -> Found {
         let mut found = Found::default();
         for at in spread(count * count) {
             if let Some(point) = self.locate(place(at), last) {
@@ -265,7 +265,7 @@ impl<'a> FlatPaint<'a> {
     }
 
     /// Returns the colours of all cells in a convex polygon, weighted by area; `None` if part of it is not in cells.
-    fn by_area(&self, polygon: &[Point], last: &mut usize) -> Option<Found> {
+    fn by_area(&self, polygon: &[Point2], last: &mut usize) -> Option<Found> {
         let mut found = Found::default();
         let is_in = |t: &FlatTriangle| polygon.iter().all(|p| inside(&t.flat_mm, *p).is_some());
         if self.triangles.get(*last).is_some_and(is_in) {
@@ -287,7 +287,7 @@ impl<'a> FlatPaint<'a> {
         Some(found)
     }
 
-    fn add_cells(&self, i: usize, polygon: &[Point], found: &mut Found) -> Option<()> {
+    fn add_cells(&self, i: usize, polygon: &[Point2], found: &mut Found) -> Option<()> {
         let [across, up] = self.cells[i]?;
         let (columns, rows) = (across.cells(polygon), up.cells(polygon));
         let count = |cells: &std::ops::RangeInclusive<i64>| cells.end() - cells.start() + 1;
@@ -304,7 +304,7 @@ impl<'a> FlatPaint<'a> {
     }
 
     /// Returns the outermost surface over a point of the plane.
-    pub fn locate(&self, p: Point, last: &mut usize) -> Option<SurfacePoint> {
+    pub fn locate(&self, p: Point2, last: &mut usize) -> Option<SurfacePoint> {
         let bucket = self.faces.at(p)?;
         // Most neighbours lie in the same triangle; of overlapping layers the outermost counts.
         if let Some(weights) = self.triangles.get(*last).and_then(|t| inside(&t.flat_mm, p))
@@ -334,9 +334,9 @@ impl<'a> FlatPaint<'a> {
     }
 
     /// Returns the surface at the border nearest to a point beside it.
-    fn nearest(&self, p: Point, last: &mut usize) -> Option<SurfacePoint> {
+    fn nearest(&self, p: Point2, last: &mut usize) -> Option<SurfacePoint> {
         let near = self.borders.at(p)?.iter().map(|i| self.ends[*i as usize]);
-        let foot = |[a, b]: [Point; 2]| {
+        let foot = |[a, b]: [Point2; 2]| {
             let along = nearest_share(p, [a, b]);
             let foot = [0, 1].map(|axis| a[axis] + along * (b[axis] - a[axis]));
             let squared: f64 = [0, 1].map(|axis| (foot[axis] - p[axis]).powi(2)).iter().sum();
@@ -370,7 +370,7 @@ fn blocks(wide: u32, high: u32) -> impl Iterator<Item = (u32, u32)> {
 
 /// Returns points of the unit square of which no two share a row or a column (Hammersley 1960), so that the share on one side of an edge is estimated
 /// closely.
-fn spread(count: usize) -> impl Iterator<Item = Point> {
+fn spread(count: usize) -> impl Iterator<Item = Point2> {
     (0..count as u32).map(move |i| {
         let half = 0.5 / count as f64;
         let reversed = f64::from(i.reverse_bits()) / 4_294_967_296.0;
@@ -415,7 +415,7 @@ thread_local! {
 }
 
 /// Returns the barycentric coordinates of a point in a triangle; `None` outside.
-fn inside(&[a, b, c]: &[Point; 3], p: Point) -> Option<[f64; 3]> {
+fn inside(&[a, b, c]: &[Point2; 3], p: Point2) -> Option<[f64; 3]> {
     let whole = doubled_area(a, b, c);
     let shares = [[b, c], [c, a], [a, b]].map(|[from, to]| doubled_area(from, to, p) / whole);
     shares.iter().all(|share| *share >= -1e-9).then_some(shares)

@@ -1,6 +1,7 @@
 //! 100 mm rulers on every page: printers stretch one axis without notice, and a ruler shows it.
 
-use super::sheet::{Mark, PointMm, TextAnchor};
+use super::sheet::{Mark, TextAnchor};
+use scaleproof_core::geometry::Point2;
 use scaleproof_plot::lettering::CAP_HEIGHT;
 
 pub const LENGTH_MM: f64 = 100.0;
@@ -13,24 +14,24 @@ const LABEL_GAP_MM: f64 = 0.5;
 const LONGEST_TICK_MM: f64 = 4.0;
 
 /// Draws a ruler along x from `origin` to the right; ticks and labels are below.
-pub fn horizontal(origin: PointMm) -> Vec<Mark> {
-    let (x, y) = (origin.x_mm, origin.y_mm);
+pub fn horizontal(origin: Point2) -> Vec<Mark> {
+    let (x, y) = (origin[0], origin[1]);
     let label_y = y - LONGEST_TICK_MM - LABEL_GAP_MM - CAP_HEIGHT * LABEL_MM;
-    let mut marks = vec![Mark::line((x, y), (x + LENGTH_MM, y), LINE_MM)];
-    marks.extend(ticks().map(|(at, tick)| Mark::line((x + at, y), (x + at, y - tick), LINE_MM)));
-    marks.extend(labels().map(|(at, label)| Mark::text((x + at, label_y), LABEL_MM, TextAnchor::Centre, label)));
+    let mut marks = vec![Mark::line([x, y], [x + LENGTH_MM, y], LINE_MM)];
+    marks.extend(ticks().map(|(at, tick)| Mark::line([x + at, y], [x + at, y - tick], LINE_MM)));
+    marks.extend(labels().map(|(at, label)| Mark::text([x + at, label_y], LABEL_MM, TextAnchor::Centre, label)));
     marks
 }
 
 /// Draws a ruler along y from `origin` upwards; ticks and labels are to its left.
-pub fn vertical(origin: PointMm) -> Vec<Mark> {
-    let (x, y) = (origin.x_mm, origin.y_mm);
+pub fn vertical(origin: Point2) -> Vec<Mark> {
+    let (x, y) = (origin[0], origin[1]);
     let label_x = x - LONGEST_TICK_MM - LABEL_GAP_MM;
-    let mut marks = vec![Mark::line((x, y), (x, y + LENGTH_MM), LINE_MM)];
-    marks.extend(ticks().map(|(at, tick)| Mark::line((x, y + at), (x - tick, y + at), LINE_MM)));
+    let mut marks = vec![Mark::line([x, y], [x, y + LENGTH_MM], LINE_MM)];
+    marks.extend(ticks().map(|(at, tick)| Mark::line([x, y + at], [x - tick, y + at], LINE_MM)));
     for (at, label) in labels() {
         let baseline = y + at - 0.5 * CAP_HEIGHT * LABEL_MM;
-        marks.push(Mark::text((label_x, baseline), LABEL_MM, TextAnchor::Right, label));
+        marks.push(Mark::text([label_x, baseline], LABEL_MM, TextAnchor::Right, label));
     }
     marks
 }

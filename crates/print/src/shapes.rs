@@ -1,22 +1,22 @@
 //! Filled outlines on a page: modules of a tag at any angle, strokes, triangles, and clipping.
 
-use super::sheet::{PointMm, RectMm, sides};
-use scaleproof_core::geometry::{extent, stretches};
+use super::sheet::{RectMm, sides};
+use scaleproof_core::geometry::{Point2, clip, extent, stretches};
 use scaleproof_pose::tags::{Modules, TagImage};
 
 /// Closed convex outline, counter-clockwise.
-pub type OutlineMm = Vec<PointMm>;
+pub type OutlineMm = Vec<Point2>;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TagPlacement {
-    pub centre: PointMm,
-    pub right: [f64; 2],
+    pub centre: Point2,
+    pub right: Point2,
     pub module_mm: f64,
 }
 
 impl TagPlacement {
     /// Creates the placement of a tag whose black border has this outer size.
-    pub fn new(image: &TagImage, size_mm: f64, centre: PointMm, right: [f64; 2]) -> Self {
+    pub fn new(image: &TagImage, size_mm: f64, centre: Point2, right: Point2) -> Self {
         Self {
             centre,
             right,
@@ -25,18 +25,18 @@ impl TagPlacement {
     }
 
     /// Converts a point relative to the centre of the square (x right, y up, mm) to the page.
-    pub fn at(&self, x_mm: f64, y_mm: f64) -> PointMm {
+    pub fn at(&self, x_mm: f64, y_mm: f64) -> Point2 {
         let [c, s] = self.right;
-        PointMm::new(
-            self.centre.x_mm + c * x_mm - s * y_mm,
-            self.centre.y_mm + s * x_mm + c * y_mm,
-        )
+        [
+            self.centre[0] + c * x_mm - s * y_mm,
+            self.centre[1] + s * x_mm + c * y_mm,
+        ]
     }
 
     /// Returns a rectangle of the square's frame (x right, y up, from its centre) on the page.
     pub fn rectangle(&self, left: f64, bottom: f64, right: f64, top: f64) -> OutlineMm {
-        [(left, bottom), (right, bottom), (right, top), (left, top)]
-            .map(|(x, y)| self.at(x, y))
+        [[left, bottom], [right, bottom], [right, top], [left, top]]
+            .map(|[x, y]| self.at(x, y))
             .to_vec()
     }
 
@@ -63,57 +63,36 @@ pub fn black_modules(modules: &Modules, place: &TagPlacement) -> Vec<OutlineMm> 
 }
 
 /// Returns a straight stroke with butt ends.
-pub fn stroke(from: PointMm, to: PointMm, width_mm: f64) -> OutlineMm {
-    let (dx, dy) = (to.x_mm - from.x_mm, to.y_mm - from.y_mm);
+pub fn stroke(from: Point2, to: Point2, width_mm: f64) -> OutlineMm {
+    let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
     let length = dx.hypot(dy).max(f64::MIN_POSITIVE);
     let (x, y) = (-dy / length * width_mm / 2.0, dx / length * width_mm / 2.0);
-    let beside = |p: PointMm, side: f64| PointMm::new(p.x_mm + side * x, p.y_mm + side * y);
+    let beside = |p: Point2, side: f64| [p[0] + side * x, p[1] + side * y];
     vec![beside(from, -1.0), beside(to, -1.0), beside(to, 1.0), beside(from, 1.0)]
 }
 
-pub fn stroked(outline: &[PointMm], width_mm: f64) -> Vec<OutlineMm> {
+pub fn stroked(outline: &[Point2], width_mm: f64) -> Vec<OutlineMm> {
     sides(outline).map(|(a, b)| stroke(*a, *b, width_mm)).collect()
 }
 
-/// Clips a convex outline to a rectangle, edge by edge (Sutherland & Hodgman 1974); empty if nothing is left.
-pub fn clipped(outline: &[PointMm], to: RectMm) -> OutlineMm {
-    let rest = cut(outline, |p| p.x_mm - to.left_mm);
-    let rest = cut(&rest, |p| to.right_mm - p.x_mm);
-    let rest = cut(&rest, |p| p.y_mm - to.bottom_mm);
-    cut(&rest, |p| to.top_mm - p.y_mm)
-}
-
-fn cut(outline: &[PointMm], inside_by: impl Fn(&PointMm) -> f64) -> OutlineMm {
-    let mut kept = Vec::new();
-    for (a, b) in sides(outline) {
-        let (at_a, at_b) = (inside_by(a), inside_by(b));
-        if at_a >= 0.0 {
-            kept.push(*a);
-        }
-        if (at_a < 0.0) != (at_b < 0.0) {
-            let share = at_a / (at_a - at_b);
-            kept.push(PointMm::new(
-                a.x_mm + share * (b.x_mm - a.x_mm),
-                a.y_mm + share * (b.y_mm - a.y_mm),
-            ));
-        }
-    }
-    kept
+/// Clips a convex outline to a rectangle; empty if nothing is left.
+pub fn clipped(outline: &[Point2], to: RectMm) -> OutlineMm {
+    let rest = clip::clipped(outline, |p| p[0] - to.left_mm);
+    let rest = clip::clipped(&rest, |p| to.right_mm - p[0]);
+    let rest = clip::clipped(&rest, |p| p[1] - to.bottom_mm);
+    clip::clipped(&rest, |p| to.top_mm - p[1])
 }
 
 /// Returns true if two convex outlines share more than a border, by the separating axis theorem.
-pub fn overlap(a: &[PointMm], b: &[PointMm]) -> bool {
+pub fn overlap(a: &[Point2], b: &[Point2]) -> bool {
     /// Tolerance: shared borders are no overlap.
     const TOUCH_MM: f64 = 0.01;
-    let edges = |outline: &[PointMm]| -> Vec<(f64, f64)> {
-        sides(outline)
-            .map(|(p, q)| (q.x_mm - p.x_mm, q.y_mm - p.y_mm))
-            .collect()
-    };
-    let mut axes = edges(a).into_iter().chain(edges(b)).filter(|(x, y)| x.hypot(*y) > 0.0);
-    axes.all(|(x, y)| {
+    let edges =
+        |outline: &[Point2]| -> Vec<Point2> { sides(outline).map(|(p, q)| [q[0] - p[0], q[1] - p[1]]).collect() };
+    let mut axes = edges(a).into_iter().chain(edges(b)).filter(|[x, y]| x.hypot(*y) > 0.0);
+    axes.all(|[x, y]| {
         let (nx, ny) = (-y / x.hypot(y), x / x.hypot(y));
-        let span = |outline: &[PointMm]| extent(outline.iter().map(|p| p.x_mm * nx + p.y_mm * ny));
+        let span = |outline: &[Point2]| extent(outline.iter().map(|p| p[0] * nx + p[1] * ny));
         let ((low_a, high_a), (low_b, high_b)) = (span(a), span(b));
         low_a < high_b - TOUCH_MM && low_b < high_a - TOUCH_MM
     })

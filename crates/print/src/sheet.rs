@@ -5,6 +5,7 @@
 use std::sync::Arc;
 
 use image::RgbImage;
+use scaleproof_core::geometry::Point2;
 use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm};
 
 /// 8-bit sRGB.
@@ -12,24 +13,6 @@ pub type Srgb8 = [u8; 3];
 
 pub const BLACK: Srgb8 = [0, 0, 0];
 pub const WHITE: Srgb8 = [255, 255, 255];
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PointMm {
-    pub x_mm: f64,
-    pub y_mm: f64,
-}
-
-impl PointMm {
-    pub fn new(x_mm: f64, y_mm: f64) -> Self {
-        Self { x_mm, y_mm }
-    }
-}
-
-impl From<(f64, f64)> for PointMm {
-    fn from((x_mm, y_mm): (f64, f64)) -> Self {
-        Self { x_mm, y_mm }
-    }
-}
 
 /// Returns the corners of a closed outline, each with the next one.
 pub fn sides<T>(outline: &[T]) -> impl Iterator<Item = (&T, &T)> {
@@ -55,13 +38,13 @@ impl RectMm {
         }
     }
 
-    pub fn sized((left_mm, bottom_mm): (f64, f64), (width_mm, height_mm): (f64, f64)) -> Self {
+    pub fn sized([left_mm, bottom_mm]: Point2, (width_mm, height_mm): (f64, f64)) -> Self {
         Self::new(left_mm, bottom_mm, left_mm + width_mm, bottom_mm + height_mm)
     }
 
-    pub fn around<'a>(points: impl IntoIterator<Item = &'a PointMm>) -> Self {
+    pub fn around<'a>(points: impl IntoIterator<Item = &'a Point2>) -> Self {
         let none = Self::new(f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY);
-        let point = |p: &PointMm| Self::new(p.x_mm, p.y_mm, p.x_mm, p.y_mm);
+        let point = |p: &Point2| Self::new(p[0], p[1], p[0], p[1]);
         points.into_iter().fold(none, |all, p| all.union(point(p)))
     }
 
@@ -85,7 +68,7 @@ impl RectMm {
     }
 
     /// Returns the rectangle moved by (x, y).
-    pub fn moved(self, [x, y]: [f64; 2]) -> Self {
+    pub fn moved(self, [x, y]: Point2) -> Self {
         Self::new(self.left_mm + x, self.bottom_mm + y, self.right_mm + x, self.top_mm + y)
     }
 
@@ -101,12 +84,11 @@ impl RectMm {
         [self.left_mm, self.bottom_mm, self.right_mm, self.top_mm]
     }
 
-    /// Returns the middle: (x, y).
-    pub fn middle(&self) -> (f64, f64) {
-        (
+    pub fn middle(&self) -> Point2 {
+        [
             0.5 * (self.left_mm + self.right_mm),
             0.5 * (self.bottom_mm + self.top_mm),
-        )
+        ]
     }
 
     pub fn width_mm(&self) -> f64 {
@@ -117,9 +99,9 @@ impl RectMm {
         self.top_mm - self.bottom_mm
     }
 
-    pub fn outline(&self) -> Vec<PointMm> {
+    pub fn outline(&self) -> Vec<Point2> {
         let [l, b, r, t] = self.edges();
-        [(l, b), (r, b), (r, t), (l, t)].map(PointMm::from).to_vec()
+        vec![[l, b], [r, b], [r, t], [l, t]]
     }
 }
 
@@ -149,8 +131,8 @@ pub struct Stamp {
 /// A straight line with butt ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Line {
-    pub from: PointMm,
-    pub to: PointMm,
+    pub from: Point2,
+    pub to: Point2,
     pub width_mm: f64,
     /// Lengths of dash and gap; `None` is solid.
     pub dash_mm: Option<(f64, f64)>,
@@ -159,7 +141,7 @@ pub struct Line {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Text {
-    pub at: PointMm,
+    pub at: Point2,
     /// Font size (em).
     pub size_mm: f64,
     pub anchor: TextAnchor,
@@ -176,23 +158,23 @@ pub enum Mark {
     /// A filled area: everything inside any of the closed outlines. It is painted in one go, so that outlines which share an
     /// edge show no hairline; all run the same way round.
     Area {
-        outlines: Vec<Vec<PointMm>>,
+        outlines: Vec<Vec<Point2>>,
         colour: Srgb8,
     },
     /// A stamp with its origin at each place, in order, cut off at `clip`.
     Stamped {
         stamp: Arc<Stamp>,
-        at: Vec<PointMm>,
+        at: Vec<Point2>,
         clip: RectMm,
     },
     /// Marks clipped to the inside of any of the closed outlines; holes run the other way round.
     Clipped {
-        to: Vec<Vec<PointMm>>,
+        to: Vec<Vec<Point2>>,
         marks: Vec<Mark>,
     },
     /// Closed outlines for a cutter, in the layer "cut" in SVG; not printed.
     Cut {
-        outlines: Vec<Vec<PointMm>>,
+        outlines: Vec<Vec<Point2>>,
         /// True if they are the finished piece, so that the sheet's trim is not cut as well.
         is_piece: bool,
     },
@@ -205,8 +187,7 @@ pub enum Mark {
 
 impl Mark {
     /// Creates a line, solid or dashed by (dash, gap).
-    pub fn stroke<P: Into<PointMm>>(ends: [P; 2], width_mm: f64, dash_mm: Option<(f64, f64)>, colour: Srgb8) -> Self {
-        let [from, to] = ends.map(Into::into);
+    pub fn stroke([from, to]: [Point2; 2], width_mm: f64, dash_mm: Option<(f64, f64)>, colour: Srgb8) -> Self {
         Self::Line(Line {
             from,
             to,
@@ -217,12 +198,12 @@ impl Mark {
     }
 
     /// Creates a solid black line.
-    pub fn line(from: impl Into<PointMm>, to: impl Into<PointMm>, width_mm: f64) -> Self {
-        Self::stroke([from.into(), to.into()], width_mm, None, BLACK)
+    pub fn line(from: Point2, to: Point2, width_mm: f64) -> Self {
+        Self::stroke([from, to], width_mm, None, BLACK)
     }
 
     /// Creates solid lines along a closed outline.
-    pub fn outline(outline: &[PointMm], width_mm: f64, colour: Srgb8) -> impl Iterator<Item = Self> {
+    pub fn outline(outline: &[Point2], width_mm: f64, colour: Srgb8) -> impl Iterator<Item = Self> {
         sides(outline).map(move |(from, to)| Self::stroke([*from, *to], width_mm, None, colour))
     }
 
@@ -231,14 +212,14 @@ impl Mark {
     }
 
     /// Creates a filled area of black.
-    pub fn black(outlines: Vec<Vec<PointMm>>) -> Self {
+    pub fn black(outlines: Vec<Vec<Point2>>) -> Self {
         let colour = BLACK;
         Self::Area { outlines, colour }
     }
 
-    pub fn text(at: impl Into<PointMm>, size_mm: f64, anchor: TextAnchor, text: impl Into<String>) -> Self {
+    pub fn text(at: Point2, size_mm: f64, anchor: TextAnchor, text: impl Into<String>) -> Self {
         Self::Text(Text {
-            at: at.into(),
+            at,
             size_mm,
             anchor,
             text: text.into(),
@@ -247,26 +228,16 @@ impl Mark {
     }
 
     /// Creates black text of this size, or smaller to be no wider than `most_mm`.
-    pub fn fitted(
-        at: impl Into<PointMm>,
-        (size_mm, most_mm): (f64, f64),
-        anchor: TextAnchor,
-        text: impl Into<String>,
-    ) -> Self {
+    pub fn fitted(at: Point2, (size_mm, most_mm): (f64, f64), anchor: TextAnchor, text: impl Into<String>) -> Self {
         let text = text.into();
         Self::text(at, fitting_size_mm(&text, size_mm, most_mm), anchor, text)
     }
 
     /// Creates black text whose capitals are centred at a point; sized as by [`Mark::fitted`].
-    pub fn centred(at: impl Into<PointMm>, (size_mm, most_mm): (f64, f64), text: impl Into<String>) -> Self {
-        let (text, PointMm { x_mm, y_mm }) = (text.into(), at.into());
+    pub fn centred([x, y]: Point2, (size_mm, most_mm): (f64, f64), text: impl Into<String>) -> Self {
+        let text = text.into();
         let size_mm = fitting_size_mm(&text, size_mm, most_mm);
-        Self::text(
-            (x_mm, y_mm - 0.5 * CAP_HEIGHT * size_mm),
-            size_mm,
-            TextAnchor::Centre,
-            text,
-        )
+        Self::text([x, y - 0.5 * CAP_HEIGHT * size_mm], size_mm, TextAnchor::Centre, text)
     }
 
     /// Creates lines of text from `left_mm` on, with each line's baseline by its index; sized as by [`Mark::fitted`].
@@ -276,7 +247,7 @@ impl Mark {
         size: (f64, f64),
         baseline: impl Fn(usize) -> f64,
     ) -> Vec<Self> {
-        let line = |(i, line): (usize, &str)| Self::fitted((left_mm, baseline(i)), size, TextAnchor::Left, line);
+        let line = |(i, line): (usize, &str)| Self::fitted([left_mm, baseline(i)], size, TextAnchor::Left, line);
         lines.into_iter().enumerate().map(line).collect()
     }
 

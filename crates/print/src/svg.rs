@@ -10,7 +10,8 @@ use std::sync::Arc;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use image::{ImageFormat, RgbImage};
 
-use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Srgb8, Stamp, TextAnchor, number_of};
+use super::sheet::{Fill, Mark, RectMm, Sheet, Srgb8, Stamp, TextAnchor, number_of};
+use scaleproof_core::geometry::Point2;
 use scaleproof_plot::lettering::{self, FAMILY};
 
 /// Writes one sheet. The same sheet gives the same text.
@@ -120,7 +121,7 @@ impl SvgPage {
         }
     }
 
-    fn path(&self, outlines: &[Vec<PointMm>]) -> String {
+    fn path(&self, outlines: &[Vec<Point2>]) -> String {
         outlines.iter().map(|outline| self.closed(outline)).collect()
     }
 
@@ -155,7 +156,7 @@ impl SvgPage {
         let _ = writeln!(self.content, "<g clip-path=\"url(#clip{clip})\">");
     }
 
-    fn closed(&self, outline: &[PointMm]) -> String {
+    fn closed(&self, outline: &[Point2]) -> String {
         let mut path = String::new();
         for (i, corner) in outline.iter().enumerate() {
             let (x, y) = self.place(*corner);
@@ -165,7 +166,7 @@ impl SvgPage {
         path
     }
 
-    fn stamped(&mut self, stamp: &Arc<Stamp>, at: &[PointMm], clip: RectMm) {
+    fn stamped(&mut self, stamp: &Arc<Stamp>, at: &[Point2], clip: RectMm) {
         let (number, is_new) = number_of(&mut self.stamps, stamp);
         if is_new {
             let _ = writeln!(self.definitions, "<g id=\"stamp{number}\">");
@@ -184,8 +185,8 @@ impl SvgPage {
         self.content.push_str("</g>\n");
     }
 
-    fn place(&self, p: PointMm) -> (String, String) {
-        (length(p.x_mm), length(self.height_mm - p.y_mm))
+    fn place(&self, p: Point2) -> (String, String) {
+        (length(p[0]), length(self.height_mm - p[1]))
     }
 
     fn corner_and_size(&self, area: RectMm) -> String {

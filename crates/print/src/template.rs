@@ -3,6 +3,9 @@
 pub mod cover;
 pub(super) mod furniture;
 pub mod layout;
+mod request;
+
+pub use request::{Front, TemplateRequest};
 
 use std::sync::Arc;
 
@@ -12,8 +15,9 @@ pub use furniture::{Captions, around, guides, making, rulers};
 pub use layout::LayoutRequest;
 pub use layout::{MAX_SHEETS, SheetLayout, SheetPlan, TemplateRect, layout, letters};
 
-use super::sheet::{Fill, Mark, PointMm, RectMm, Sheet, Stamp};
+use super::sheet::{Fill, Mark, RectMm, Sheet, Stamp};
 use super::{SheetError, printer};
+use scaleproof_core::geometry::Point2;
 use scaleproof_core::geometry::length::{SCALES, shown};
 use scaleproof_plot::lettering::number;
 use scaleproof_surface::pattern::Pattern;
@@ -58,59 +62,6 @@ pub enum TemplateError {
     TextureTooSmall { width: String, height: String },
     #[error("a texture cannot be printed at {} dots per inch; give 36 to 2400", shown(*dpi))]
     Resolution { dpi: f64 },
-}
-
-/// A request for a tiled template. All lengths in mm.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TemplateRequest {
-    /// Printed width of one repeat of the pattern; its height follows, cells are square.
-    pub tile_mm: f64,
-    /// Scale of the model, 1:`scale`; only for the captions.
-    pub scale: f64,
-    /// Name of the pattern in the captions: its file name.
-    pub pattern_name: String,
-    /// Edge of the template that points to the model's front.
-    pub front: Front,
-    /// Size, paper and edges.
-    pub layout: LayoutRequest,
-}
-
-impl TemplateRequest {
-    /// Returns the request for a pattern whose repeats are this wide, mm.
-    pub fn tiled(self, tile_mm: f64) -> Self {
-        Self { tile_mm, ..self }
-    }
-
-    /// Returns the document's title.
-    pub fn title(&self) -> String {
-        format!("Template of {}, tile {} mm", self.pattern_name, number(self.tile_mm))
-    }
-}
-
-/// Edge of the template that points to the model's front.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Front {
-    /// Left edge, as on the model's left side.
-    #[default]
-    Left,
-    /// Right edge, as on the model's right side.
-    Right,
-    Up,
-    Down,
-    /// No edge, as on the front and the rear.
-    None,
-}
-
-impl Front {
-    fn direction(self) -> Option<(f64, f64)> {
-        match self {
-            Self::Left => Some((-1.0, 0.0)),
-            Self::Right => Some((1.0, 0.0)),
-            Self::Up => Some((0.0, 1.0)),
-            Self::Down => Some((0.0, -1.0)),
-            Self::None => None,
-        }
-    }
 }
 
 /// Drawn template, and its layout on the paper.
@@ -183,7 +134,7 @@ fn drawn(
     let layout = layout(&request.layout)?;
     stamp.check_placements(&layout.sheets)?;
     let sheet = |plan: &SheetPlan| {
-        let mut marks = vec![stamp.on(plan, (0.0, 0.0))];
+        let mut marks = vec![stamp.on(plan, [0.0; 2])];
         marks.extend(furniture::all(&layout, plan, captions));
         layout.frame.sheet(plan.trim, plan.printed, marks)
     };
@@ -295,18 +246,17 @@ impl PatternStamp {
         Ok(())
     }
 
-    /// Returns the part of the repeated pattern on a sheet; a top-left cell begins at `start_mm` of the template frame.
-    pub(super) fn on(&self, plan: &SheetPlan, start_mm: (f64, f64)) -> Mark {
+    /// Returns the part of the repeated pattern on a sheet; a top-left cell begins at `start_x`, `start_y` of the template frame.
+    pub(super) fn on(&self, plan: &SheetPlan, [start_x, start_y]: Point2) -> Mark {
         let (carried, printed) = (plan.carried, plan.printed);
-        let (start_x, start_y) = start_mm;
         let columns = blocks(carried.left_mm - start_x, carried.right_mm - start_x, self.width_mm);
         let rows = blocks(carried.top_mm - start_y, carried.bottom_mm - start_y, self.height_mm);
         let at = rows
             .flat_map(|row| columns.clone().map(move |column| (row, column)))
             .map(|(row, column)| {
-                let x_mm = printed.left_mm + (start_x + f64::from(column) * self.width_mm - carried.left_mm);
-                let y_mm = printed.top_mm - (start_y + f64::from(row) * self.height_mm - carried.top_mm);
-                PointMm { x_mm, y_mm }
+                let x = printed.left_mm + (start_x + f64::from(column) * self.width_mm - carried.left_mm);
+                let y = printed.top_mm - (start_y + f64::from(row) * self.height_mm - carried.top_mm);
+                [x, y]
             });
         match &self.block {
             Block::Cells(stamp) => Mark::Stamped {
@@ -315,9 +265,9 @@ impl PatternStamp {
                 clip: printed,
             },
             Block::Image(image, size_mm) => {
-                let placed = at.map(|PointMm { x_mm, y_mm }| Mark::Image {
+                let placed = at.map(|[x, y]: Point2| Mark::Image {
                     image: Arc::clone(image),
-                    area: RectMm::new(x_mm, y_mm - size_mm.1, x_mm + size_mm.0, y_mm),
+                    area: RectMm::new(x, y - size_mm.1, x + size_mm.0, y),
                 });
                 Mark::clipped(printed, placed.collect())
             }

@@ -11,6 +11,7 @@
 //! # Ok::<(), scaleproof_surface::pattern::PatternError>(())
 //! ```
 
-pub mod mesh;
-pub mod pattern;
-pub mod texture;
+pub mod mesh; // triangles with materials and texture coordinates, from glTF, OBJ, STL and PLY
+pub mod pattern; // repeated patterns: made, loaded, imported, in paints, as printed
+pub mod texture; // the colour of each point of a surface
+pub mod zbuffer; // the nearest triangle at each pixel

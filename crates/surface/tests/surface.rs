@@ -20,3 +20,5 @@ mod pattern;
 mod simplified;
 #[path = "surface/world_aligned.rs"]
 mod world_aligned;
+#[path = "surface/zbuffer.rs"]
+mod zbuffer;

@@ -12,6 +12,6 @@
 //! # Ok::<(), scaleproof_wrap::unwrap::UnwrapError>(())
 //! ```
 
-pub mod bake;
-pub mod pieces;
-pub mod unwrap;
+pub mod bake; // a texture as one image on texture coordinates
+pub mod pieces; // flat pieces nested on sheets, with letters, tabs and stencils
+pub mod unwrap; // the paint cut into few flat pieces of bounded stretch

@@ -3,6 +3,7 @@
 pub mod angle;
 mod axis;
 pub mod bbox;
+pub mod clip;
 pub mod homography;
 pub mod length;
 mod plane;

@@ -133,13 +133,13 @@ impl PlaneTriangle {
     }
 
     /// Returns the unit cells along an axis that the box around the triangle meets, of those in a range.
-    pub fn cells(&self, axis: usize, within: Range<usize>) -> Range<usize> {
+    pub fn cells(&self, axis: usize, within: Range<i64>) -> Range<i64> {
         cells_between(extent(self.corners.map(|p| p[axis])), within)
     }
 
     /// Returns the unit cells of a row that the part of the triangle in this row meets, of those in a range: what a sliver crosses, and not the box around it.
     /// None is missing in which [`Self::barycentric`] takes a point for inside.
-    pub fn cells_of_row(&self, row: usize, within: Range<usize>) -> Range<usize> {
+    pub fn cells_of_row(&self, row: i64, within: Range<i64>) -> Range<i64> {
         // By the tolerance of the edges, a point may lie as far outside as a billionth of the triangle's size.
         const MARGIN: f64 = 1e-3;
         let (bottom, top) = (row as f64 - MARGIN, row as f64 + 1.0 + MARGIN);
@@ -158,9 +158,16 @@ impl PlaneTriangle {
 
     /// Calls with column, row and barycentric coordinates of each cell of a grid in which the triangle covers the place that lies `offset`
     /// right of and above the cell's corner: 0.5 is its centre.
-    pub fn draw(&self, [width, height]: [usize; 2], offset: f64, mut each: impl FnMut(usize, usize, [f64; 3])) {
-        for row in self.cells(1, 0..height) {
-            for column in self.cells_of_row(row, 0..width) {
+    pub fn draw(&self, size: [usize; 2], offset: f64, mut each: impl FnMut(usize, usize, [f64; 3])) {
+        self.draw_within(size.map(|side| 0..side as i64), offset, |column, row, shares| {
+            each(column as usize, row as usize, shares);
+        });
+    }
+
+    /// Draws as [`Self::draw`] does, in a window of the grid: its columns and its rows.
+    pub fn draw_within(&self, [columns, rows]: [Range<i64>; 2], offset: f64, mut each: impl FnMut(i64, i64, [f64; 3])) {
+        for row in self.cells(1, rows) {
+            for column in self.cells_of_row(row, columns.clone()) {
                 if let Some(shares) = self.barycentric([column as f64 + offset, row as f64 + offset]) {
                     each(column, row, shares);
                 }
@@ -170,8 +177,8 @@ impl PlaneTriangle {
 }
 
 /// Returns the unit cells that an interval meets, of those in a range.
-fn cells_between((low, high): (f64, f64), within: Range<usize>) -> Range<usize> {
-    let clamped = |v: f64| v.clamp(within.start as f64, within.end as f64) as usize;
+fn cells_between((low, high): (f64, f64), within: Range<i64>) -> Range<i64> {
+    let clamped = |v: f64| v.clamp(within.start as f64, within.end as f64) as i64;
     clamped(low.floor())..clamped(high.floor() + 1.0)
 }
 

@@ -47,9 +47,9 @@ proptest! {
         let Some(triangle) = PlaneTriangle::new([a, b, between(between(a, b, 0.3), c, thin)]) else {
             return Ok(());
         };
-        for row in 0..40_usize {
+        for row in 0..40_i64 {
             let cells = triangle.cells_of_row(row, 0..40);
-            for (column, point) in (0..40_usize).flat_map(|column| (0..25).map(move |point| (column, point))) {
+            for (column, point) in (0..40_i64).flat_map(|column| (0..25).map(move |point| (column, point))) {
                 let at = |i: usize| (i as f64) / 4.0;
                 let p = [column as f64 + at(point % 5), row as f64 + at(point / 5)];
                 let is_last = point % 5 == 4 || point / 5 == 4; // these lie in the next cell

@@ -1,59 +1,24 @@
 //! Calibration boards on one sheet: ChArUco, chessboard, AprilGrid.
 
 mod draw;
+mod error;
+
+pub use error::BoardError;
+pub(crate) use error::MIN_MODULE_MM;
 
 pub use scaleproof_pose::board::Definition;
 
-use super::SheetError;
 use super::frame::PageFrame;
 use super::media::Media;
-use super::sheet::{Mark, PointMm, RectMm, Sheet};
+use super::sheet::{Mark, RectMm, Sheet};
 use super::template::making;
-use scaleproof_core::geometry::length::{self, BadLength};
-use scaleproof_core::message::Message;
+use scaleproof_core::geometry::length;
 use scaleproof_plot::lettering::size;
 use scaleproof_pose::scene::TagFamily;
-use scaleproof_pose::tags::{DictionaryError, MarkerDictionary, Modules};
+use scaleproof_pose::tags::{MarkerDictionary, Modules};
 
-/// Minimum size of a module; smaller ones are illegible from an office printer (about 5 dots at 600 dpi).
-const MIN_MODULE_MM: f64 = 0.2;
 /// White paper between the board and anything else on the page, besides the page's own margins.
 const QUIET_MM: f64 = 1.0;
-
-/// Reason why no board was printed.
-#[derive(Debug, thiserror::Error)]
-pub enum BoardError {
-    #[error(transparent)]
-    Sheet(#[from] SheetError),
-    #[error(transparent)]
-    Length(#[from] BadLength),
-    #[error(transparent)]
-    Dictionary(#[from] DictionaryError),
-    #[error("a board of {columns}×{rows} squares cannot be printed; give {least} to {most} each way", most = Definition::MOST_SQUARES)]
-    Squares { columns: u32, rows: u32, least: u32 },
-    #[error("a marker of {marker_mm} mm does not fit into a square of {square_mm} mm with white around it")]
-    MarkerTooLarge { marker_mm: f64, square_mm: f64 },
-    #[error("this board needs {needed} markers and {dictionary} has {count}; use fewer squares or a larger dictionary")]
-    NotEnoughMarkers {
-        needed: usize,
-        dictionary: &'static str,
-        count: usize,
-    },
-    #[error(
-        "the markers would have modules of {module_mm:.3} mm, smaller than the {MIN_MODULE_MM} mm a printer can show; make them larger"
-    )]
-    ModuleTooSmall { module_mm: f64 },
-    #[error("a marker size means nothing on {board}; leave it out")]
-    MarkerSizeUnused { board: &'static str },
-    #[error("a dictionary means nothing on {board}; leave it out")]
-    DictionaryUnused { board: &'static str },
-    #[error("tag {id} of tag36h11 could not be drawn by the AprilTag library")]
-    NoImage { id: u32 },
-    #[error("the board is {board_mm} mm and the paper has {free_mm} mm for it; use larger paper or smaller squares")]
-    TooLarge { board_mm: String, free_mm: String },
-    #[error(transparent)]
-    Definition(#[from] Message),
-}
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BoardKind {
@@ -188,7 +153,7 @@ pub fn board(request: &BoardRequest) -> Result<Board, BoardError> {
             free_mm: size((width - 2.0 * QUIET_MM, height - 2.0 * QUIET_MM)),
         });
     };
-    let corner = PointMm::new(area.left_mm, area.top_mm);
+    let corner = [area.left_mm, area.top_mm];
     let marks = vec![Mark::black(draw::black(&definition, corner)?)];
     let captions = captions(&definition, &media);
     let sheet = page.labelled(page.printable, marks, &captions, definition.name());

@@ -119,7 +119,7 @@ impl Table<'_> {
     fn totals(&mut self, legend: &Legend) {
         let y = self.baseline() + 0.75 * ROW_MM * self.factor;
         self.marks
-            .push(Mark::line((self.x(0.0), y), (self.x(TABLE_MM), y), RULE_MM));
+            .push(Mark::line([self.x(0.0), y], [self.x(TABLE_MM), y], RULE_MM));
         self.text(NAME_AT_MM, TextAnchor::Left, legend.whole.to_owned());
         self.numbers(&PaintArea::sum(legend.areas), legend.painted.delta_e());
         self.row += 1;
@@ -146,7 +146,7 @@ impl Table<'_> {
     }
 
     fn text(&mut self, at_mm: f64, anchor: TextAnchor, text: String) {
-        let place = (self.x(at_mm), self.baseline());
+        let place = [self.x(at_mm), self.baseline()];
         self.marks.push(Mark::text(place, TEXT_MM * self.factor, anchor, text));
     }
 

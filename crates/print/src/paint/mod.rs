@@ -6,8 +6,11 @@ mod bridges;
 mod legend;
 pub mod plane;
 mod regions;
+mod request;
 mod sheets;
 mod stencil;
+
+pub use request::{PaintArea, PaintRequest};
 
 pub use legend::{Legend, sheets as legend_sheets, swatch};
 pub use sheets::{OPENING, cross, disc, hole_mm, mirrored};
@@ -16,9 +19,7 @@ pub use stencil::{NoStencil, Rules, Slant, Stencil, openings_and_bridges, stenci
 use super::frame::PageFrame;
 use super::sheet::Sheet;
 use super::template::cover::cover;
-use super::template::{
-    Captions, LayoutRequest, MAX_SHEETS, SheetLayout, SheetPlan, TemplateError, TemplateRequest, cell_mm, layout,
-};
+use super::template::{Captions, LayoutRequest, MAX_SHEETS, SheetLayout, SheetPlan, TemplateError, cell_mm, layout};
 use super::{SheetError, printer};
 use regions::CellGrid;
 use scaleproof_core::geometry::length::shown;
@@ -67,47 +68,9 @@ pub enum PaintError {
     TooManyCells { cells: usize },
 }
 
-#[derive(Debug, Clone, PartialEq)]
-pub struct PaintRequest {
-    /// Size, paper and pattern as for a template. Overlap and bleed are ignored: the sheets have rims and are laid edge to edge.
-    pub template: TemplateRequest,
-    /// Minimum width of bridges and openings.
-    pub min_feature_mm: f64,
-    /// True to mirror the stencils, for cutting from the back side of a film.
-    pub mirror: bool,
-}
-
-impl PaintRequest {
-    pub fn title(&self) -> String {
-        let TemplateRequest {
-            pattern_name, tile_mm, ..
-        } = &self.template;
-        format!("Paint sheets of {pattern_name}, tile {} mm", number(*tile_mm))
-    }
-}
-
 /// Returns the width of the rim of a stencil with features of this width: it holds registration holes.
 pub fn rim_mm(min_feature_mm: f64) -> f64 {
     RIM_MM.max(hole_mm(min_feature_mm) + 2.0 * min_feature_mm)
-}
-
-/// Areas of a paint, mm². `openings_mm2` and `bridges_mm2` add up to `cells_mm2`.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct PaintArea {
-    pub cells_mm2: f64,
-    pub openings_mm2: f64,
-    /// Area to be touched up with a brush.
-    pub bridges_mm2: f64,
-}
-
-impl PaintArea {
-    pub fn sum(areas: &[Self]) -> Self {
-        areas.iter().fold(Self::default(), |sum, area| Self {
-            cells_mm2: sum.cells_mm2 + area.cells_mm2,
-            openings_mm2: sum.openings_mm2 + area.openings_mm2,
-            bridges_mm2: sum.bridges_mm2 + area.bridges_mm2,
-        })
-    }
 }
 
 #[derive(Debug, Clone)]

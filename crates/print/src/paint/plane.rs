@@ -8,6 +8,7 @@ use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::i_float::int::point::IntPoint;
 
 use crate::sheet::sides;
+use scaleproof_core::geometry::Point2;
 
 /// Units per millimetre.
 pub const PER_MM: f64 = 10_000.0;
@@ -24,7 +25,13 @@ pub fn mm(units: i32) -> f64 {
     f64::from(units) / PER_MM
 }
 
-pub fn point(p: PlanePoint) -> [f64; 2] {
+/// Converts a point of the plane to millimetres.
+pub fn place(p: PlanePoint) -> Point2 {
+    [mm(p.x), mm(p.y)]
+}
+
+/// Converts a point of the plane to floating point, in units.
+pub fn point(p: PlanePoint) -> Point2 {
     [f64::from(p.x), f64::from(p.y)]
 }
 

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use super::plane::{Bounds, PlaneOutline, PlanePoint, mm, units};
 use crate::template::TemplateRect;
+use scaleproof_core::geometry::Point2;
 use scaleproof_core::geometry::{cells_beside, stretches};
 use scaleproof_surface::pattern::palette::Painted;
 
@@ -19,7 +20,7 @@ pub struct CellGrid<'a> {
 pub struct PaintPatch {
     pub paint: usize,
     /// Centre and size of the part of a cell that is farthest from the patch's border.
-    pub at_mm: (f64, f64),
+    pub at_mm: Point2,
     pub room_mm: (f64, f64),
 }
 
@@ -127,7 +128,7 @@ impl CellGrid<'_> {
             let room = part(best);
             patches.push(PaintPatch {
                 paint: paint(first),
-                at_mm: (mm(room.left + room.right) / 2.0, mm(room.bottom + room.top) / 2.0),
+                at_mm: [mm(room.left + room.right) / 2.0, mm(room.bottom + room.top) / 2.0],
                 room_mm: (mm(room.right - room.left), mm(room.top - room.bottom)),
             });
         }

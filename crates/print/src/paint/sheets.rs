@@ -1,12 +1,12 @@
 //! Sheets of one part of the panel: to paint by number, with the border of every patch of one paint and the paint's number in it; and the stencils,
 //! with tinted openings to cut out, and a rim with a label. Registration holes are at the same place on all of them.
 
-use super::plane::{PlaneOutline, mm};
+use super::plane::{self, PlaneOutline, place};
 use super::regions::CellGrid;
 use super::{PaintRequest, Stencil};
-use crate::sheet::{BLACK, Line, Mark, PointMm, RectMm, Sheet, Srgb8, Text, TextAnchor};
+use crate::sheet::{BLACK, Line, Mark, RectMm, Sheet, Srgb8, Text, TextAnchor};
 use crate::template::{Captions, Front, SheetLayout, SheetPlan, TemplateRequest, around, guides};
-use scaleproof_core::geometry::circle;
+use scaleproof_core::geometry::{Point2, circle};
 use scaleproof_plot::lettering::printable;
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::palette::Paint;
@@ -34,19 +34,17 @@ pub fn registration(outer: RectMm, rim_mm: f64, hole_mm: f64) -> Vec<Mark> {
     crosses.collect()
 }
 
-pub fn cross((x, y): (f64, f64), near: f64, far: f64) -> [Mark; 4] {
-    [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)]
-        .map(|(dx, dy)| Mark::line((x + near * dx, y + near * dy), (x + far * dx, y + far * dy), LINE_MM))
+pub fn cross([x, y]: Point2, near: f64, far: f64) -> [Mark; 4] {
+    [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]]
+        .map(|[dx, dy]| Mark::line([x + near * dx, y + near * dy], [x + far * dx, y + far * dy], LINE_MM))
 }
 
-pub fn disc((x, y): (f64, f64), radius: f64) -> Vec<PointMm> {
-    let corners = circle([x, y], radius, HOLE_CORNERS);
-    corners.map(|[x, y]| PointMm::new(x, y)).collect()
+pub fn disc(middle: Point2, radius: f64) -> Vec<Point2> {
+    circle(middle, radius, HOLE_CORNERS).collect()
 }
 
-fn corners(outer: RectMm, rim_mm: f64) -> impl Iterator<Item = (f64, f64)> {
-    let middles = outer.grown(-0.5 * rim_mm).outline();
-    middles.into_iter().map(|p| (p.x_mm, p.y_mm))
+fn corners(outer: RectMm, rim_mm: f64) -> impl Iterator<Item = Point2> {
+    outer.grown(-0.5 * rim_mm).outline().into_iter()
 }
 
 /// Draws one sheet to paint by number, cut at its part of the panel, which has the same place on the page as on the stencils of this sheet.
@@ -54,16 +52,15 @@ pub fn numbers(layout: &SheetLayout, plan: &SheetPlan, grid: &CellGrid, captions
     let outer = plan.trim;
     let rim = plan.own.left_mm - plan.carried.left_mm;
     let part = outer.grown(-rim);
-    let at = |x_mm: f64, y_mm: f64| plan.on_page(x_mm, y_mm);
     let mut marks = Vec::new();
     for (a, b) in grid.borders(plan.own) {
-        marks.push(Mark::line(at(mm(a.x), mm(a.y)), at(mm(b.x), mm(b.y)), BORDER_MM));
+        marks.push(Mark::line(plan.on_page(place(a)), plan.on_page(place(b)), BORDER_MM));
     }
     for patch in grid.patches(plan.own) {
         let text = (patch.paint + 1).to_string();
         let largest = NUMBER_MM.min(NUMBER_SHARE * patch.room_mm.1);
         let room = (largest, NUMBER_SHARE * patch.room_mm.0);
-        marks.push(Mark::centred(at(patch.at_mm.0, patch.at_mm.1), room, text));
+        marks.push(Mark::centred(plan.on_page(patch.at_mm), room, text));
     }
     let cut_here = SheetPlan {
         trim: part,
@@ -108,10 +105,10 @@ impl<'a> StencilPen<'a> {
     pub fn sheet(&self, plan: &SheetPlan, number: usize, paint: &Paint, stencil: &Stencil) -> Sheet {
         let outer = plan.trim;
         let rim = plan.own.left_mm - plan.carried.left_mm;
-        let place = |outline: &PlaneOutline| outline.iter().map(|p| plan.on_page(mm(p.x), mm(p.y)).into()).collect();
+        let place = |outline: &PlaneOutline| outline.iter().map(|p| plan.on_page(plane::place(*p))).collect();
         let hole_mm = hole_mm(self.min_feature_mm);
         let holes = corners(outer, rim).map(|middle| disc(middle, 0.5 * hole_mm));
-        let openings: Vec<Vec<PointMm>> = stencil.openings.outlines().map(place).chain(holes).collect();
+        let openings: Vec<Vec<Point2>> = stencil.openings.outlines().map(place).chain(holes).collect();
         let mut marks = vec![
             Mark::Area {
                 outlines: openings.clone(),
@@ -146,7 +143,7 @@ impl<'a> StencilPen<'a> {
             paint.name,
             plan.id()
         ));
-        let middle = (outer.middle().0, outer.top_mm - 0.5 * rim);
+        let middle = [outer.middle()[0], outer.top_mm - 0.5 * rim];
         Mark::centred(middle, (LABEL_MM, outer.width_mm() - 2.0 * rim), text)
     }
 }
@@ -154,7 +151,7 @@ impl<'a> StencilPen<'a> {
 /// Mirrors a mark as seen from the back of the piece; text stays readable. Fills, stamps, images and clipped marks, which stencils do not have, are
 /// unchanged.
 pub fn mirrored(mut mark: Mark, piece: RectMm) -> Mark {
-    let turn = |p: &mut PointMm| p.x_mm = piece.left_mm + piece.right_mm - p.x_mm;
+    let turn = |p: &mut Point2| p[0] = piece.left_mm + piece.right_mm - p[0];
     match &mut mark {
         Mark::Line(Line { from, to, .. }) => [from, to].into_iter().for_each(turn),
         Mark::Text(Text { at, anchor, .. }) => {

@@ -4,7 +4,8 @@ use super::piece::CutPiece;
 use super::tent::{FlatTag, Fold, Net, SIDE_MM, Tent};
 use super::{Instead, LINE_MM, TagPrintError, image_of};
 use crate::shapes::{TagPlacement, black_modules};
-use crate::sheet::{BLACK, Mark, PointMm, RectMm, TextAnchor, sides};
+use crate::sheet::{BLACK, Mark, RectMm, TextAnchor, sides};
+use scaleproof_core::geometry::Point2;
 use scaleproof_plot::lettering::{fitting_size_mm, number};
 use scaleproof_pose::scene::Tag;
 use scaleproof_pose::tags::TagImage;
@@ -35,10 +36,10 @@ pub fn plain<'a>(tags: &[&'a Tag]) -> Result<Vec<CutPiece<'a>>, TagPrintError> {
     tags.iter().map(piece).collect()
 }
 
-fn plain_marks(tag: &Tag, image: &TagImage, at: PointMm) -> Vec<Mark> {
+fn plain_marks(tag: &Tag, image: &TagImage, at: Point2) -> Vec<Mark> {
     let width = image.width_mm(tag.size_mm);
-    let card = RectMm::new(at.x_mm, at.y_mm, at.x_mm + width, at.y_mm + STRIP_MM + width);
-    let centre = PointMm::new(at.x_mm + width / 2.0, at.y_mm + STRIP_MM + width / 2.0);
+    let card = RectMm::new(at[0], at[1], at[0] + width, at[1] + STRIP_MM + width);
+    let centre = [at[0] + width / 2.0, at[1] + STRIP_MM + width / 2.0];
     let place = TagPlacement::new(image, tag.size_mm, centre, [1.0, 0.0]);
     let mut outlines = black_modules(image.modules(), &place);
     outlines.push(place.up_mark(
@@ -48,7 +49,7 @@ fn plain_marks(tag: &Tag, image: &TagImage, at: PointMm) -> Vec<Mark> {
     ));
     let name = format!("id {} · {} · {} mm", tag.id, tag.family.name(), number(tag.size_mm));
     let size_mm = fitting_size_mm(&name, TEXT_MM, (width - PLAIN_UP_MM - 4.0).max(1.0));
-    let baseline = (at.x_mm + 1.0, at.y_mm + 0.5 * (STRIP_MM - 0.7 * size_mm));
+    let baseline = [at[0] + 1.0, at[1] + 0.5 * (STRIP_MM - 0.7 * size_mm)];
     let mut marks = vec![
         Mark::black(outlines),
         Mark::text(baseline, size_mm, TextAnchor::Left, name),
@@ -74,7 +75,7 @@ pub fn tents(tents: &[Tent]) -> Vec<CutPiece<'_>> {
 }
 
 /// Draws one card whose flat frame begins at `at` on the page.
-fn tent_marks(number: usize, tent: &Tent, net: &Net, at: PointMm) -> Result<Vec<Mark>, TagPrintError> {
+fn tent_marks(number: usize, tent: &Tent, net: &Net, at: Point2) -> Result<Vec<Mark>, TagPrintError> {
     let mut marks = Vec::new();
     for flat in &net.tags {
         marks.push(tag_marks(flat, net, at)?);
@@ -84,20 +85,20 @@ fn tent_marks(number: usize, tent: &Tent, net: &Net, at: PointMm) -> Result<Vec<
     let tab = "glue to the inside of the base";
     // The tab narrows towards its edge; its text keeps clear of the slants.
     let tab_size = (TEXT_MM, 0.7 * net.width_mm);
-    let tab_at = (at.x_mm + net.width_mm / 2.0, at.y_mm + 0.5 * net.folds[0].y_mm - 1.0);
+    let tab_at = [at[0] + net.width_mm / 2.0, at[1] + 0.5 * net.folds[0].y_mm - 1.0];
     marks.push(Mark::fitted(tab_at, tab_size, TextAnchor::Centre, tab));
     marks.extend(lines(net, at));
     Ok(marks)
 }
 
-fn tag_marks(flat: &FlatTag, net: &Net, at: PointMm) -> Result<Mark, TagPrintError> {
+fn tag_marks(flat: &FlatTag, net: &Net, at: Point2) -> Result<Mark, TagPrintError> {
     let image = image_of(&flat.tag)?;
-    let centre = PointMm::new(at.x_mm + flat.centre_mm.x, at.y_mm + flat.centre_mm.y);
+    let centre = [at[0] + flat.centre_mm.x, at[1] + flat.centre_mm.y];
     let place = TagPlacement::new(&image, flat.tag.size_mm, centre, flat.right.into());
     let mut outlines = black_modules(image.modules(), &place);
     // The up mark is beside the tag, in the middle of the card's free strip.
     let mark = TagPlacement {
-        centre: PointMm::new(at.x_mm + net.width_mm - SIDE_MM / 2.0, place.centre.y_mm),
+        centre: [at[0] + net.width_mm - SIDE_MM / 2.0, place.centre[1]],
         ..place
     };
     outlines.push(mark.up_mark(0.0, -UP_MM / 2.0, UP_MM));
@@ -105,19 +106,19 @@ fn tag_marks(flat: &FlatTag, net: &Net, at: PointMm) -> Result<Mark, TagPrintErr
 }
 
 /// Draws the card's name and the tag's id, in the strip to the left of the tag.
-fn face_text(number: usize, flat: &FlatTag, at: PointMm) -> Vec<Mark> {
+fn face_text(number: usize, flat: &FlatTag, at: Point2) -> Vec<Mark> {
     let lines = [format!("T{number}"), "id".to_owned(), flat.tag.id.to_string()];
-    let x = at.x_mm + SIDE_MM / 2.0;
-    let middle = at.y_mm + flat.centre_mm.y + 0.5 * LEADING_MM;
+    let x = at[0] + SIDE_MM / 2.0;
+    let middle = at[1] + flat.centre_mm.y + 0.5 * LEADING_MM;
     let place = |(i, line): (usize, String)| {
-        let at = (x, middle - i as f64 * LEADING_MM);
+        let at = [x, middle - i as f64 * LEADING_MM];
         Mark::fitted(at, (TEXT_MM, SIDE_MM - 2.0), TextAnchor::Centre, line)
     };
     lines.into_iter().enumerate().map(place).collect()
 }
 
 /// Draws the description of the card on its base.
-fn base_text(number: usize, tent: &Tent, net: &Net, at: PointMm) -> Vec<Mark> {
+fn base_text(number: usize, tent: &Tent, net: &Net, at: Point2) -> Vec<Mark> {
     let [a, b] = &tent.tags;
     let family = |tag: &Tag| format!("{} · {} mm", tag.family.name(), mm(tag.size_mm));
     let [family_a, family_b] = [a, b].map(family);
@@ -132,14 +133,14 @@ fn base_text(number: usize, tent: &Tent, net: &Net, at: PointMm) -> Vec<Mark> {
         (TEXT_MM, families),
         (TEXT_MM, format!("faces at {}° to the ground", mm(tent.tilt_deg))),
     ];
-    let middle = (
-        at.x_mm + net.width_mm / 2.0,
-        at.y_mm + net.folds[2].y_mm + tent.base_mm / 2.0,
-    );
+    let middle = [
+        at[0] + net.width_mm / 2.0,
+        at[1] + net.folds[2].y_mm + tent.base_mm / 2.0,
+    ];
     let place = |(i, (size_mm, line)): (usize, (f64, String))| {
         let size_mm = fitting_size_mm(&line, size_mm, net.width_mm - 4.0).min(0.15 * tent.base_mm.max(7.0));
-        let baseline = middle.1 + (1.0 - i as f64) * LEADING_MM.min(tent.base_mm / 5.0);
-        Mark::text((middle.0, baseline), size_mm, TextAnchor::Centre, line)
+        let baseline = middle[1] + (1.0 - i as f64) * LEADING_MM.min(tent.base_mm / 5.0);
+        Mark::text([middle[0], baseline], size_mm, TextAnchor::Centre, line)
     };
     lines.into_iter().enumerate().map(place).collect()
 }
@@ -149,8 +150,8 @@ fn mm(value: f64) -> String {
 }
 
 /// Draws cut lines around the card, fold lines across it.
-fn lines(net: &Net, at: PointMm) -> Vec<Mark> {
-    let page = |[x, y]: [f64; 2]| PointMm::new(at.x_mm + x, at.y_mm + y);
+fn lines(net: &Net, at: Point2) -> Vec<Mark> {
+    let page = |[x, y]: [f64; 2]| [at[0] + x, at[1] + y];
     let line = |from, to, dash_mm| Mark::stroke([page(from), page(to)], LINE_MM, dash_mm, BLACK);
     let (tab, w, h) = (net.tab, net.width_mm, net.height_mm);
     let fold = |fold: Fold| line([0.0, fold.y_mm], [w, fold.y_mm], Some(DASH_MM));

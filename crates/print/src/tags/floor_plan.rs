@@ -9,8 +9,9 @@ use super::mat::{ARROW_MM, GREY, GroundWindow};
 use super::{TagPrintError, captions};
 use crate::media::Media;
 use crate::shapes::{OutlineMm, stroke, stroked};
-use crate::sheet::{Mark, PointMm, RectMm, Sheet, TextAnchor};
+use crate::sheet::{Mark, RectMm, Sheet, TextAnchor};
 use crate::template::cover::titled;
+use scaleproof_core::geometry::Point2;
 use scaleproof_plot::lettering::{CAP_HEIGHT, number, printable};
 use scaleproof_pose::scene::{Scene, Tag};
 
@@ -141,30 +142,30 @@ fn drawing(tags: &[&Tag], scene: &Scene, room: RectMm) -> (Vec<Mark>, f64) {
     let fits = |n: &&f64| shown.width_mm() / **n <= wide && shown.height_mm() / **n <= high;
     let one_to = SCALES.iter().find(fits).copied().unwrap_or(1000.0);
     let left = (room.left_mm + room.right_mm - shown.width_mm() / one_to) / 2.0;
-    let at = (left, room.top_mm - edge);
-    let window = GroundWindow::level((shown.left_mm, shown.top_mm), at, 1.0 / one_to);
+    let at = [left, room.top_mm - edge];
+    let window = GroundWindow::level([shown.left_mm, shown.top_mm], at, 1.0 / one_to);
     let mut marks = model_marks(model, &window);
     for tag in tags {
         marks.extend(card(tag, &window));
     }
-    let below = window.at.y_mm - shown.height_mm() / one_to - edge;
-    marks.extend(scale_bar(one_to, (room.left_mm, below)));
+    let below = window.at[1] - shown.height_mm() / one_to - edge;
+    marks.extend(scale_bar(one_to, [room.left_mm, below]));
     (marks, below - LEADING_MM)
 }
 
 /// Draws the model's outline with an arrow at its front and a cross in its middle, and the two axes.
 fn model_marks(model: RectMm, window: &GroundWindow) -> Vec<Mark> {
-    let on_page = |x: f64, y: f64| window.on_page(PointMm::new(x, y));
+    let on_page = |x: f64, y: f64| window.on_page([x, y]);
     let front = model.right_mm + 2.0;
-    let arrow = [(0.0, -ARROW_MM / 3.0), (ARROW_MM, 0.0), (0.0, ARROW_MM / 3.0)];
+    let arrow = [[0.0, -ARROW_MM / 3.0], [ARROW_MM, 0.0], [0.0, ARROW_MM / 3.0]];
     let mut outlines = stroked(&window.outline(&model.outline()), LINE_MM);
-    outlines.push(arrow.map(|(x, y)| on_page(front + x, y)).to_vec());
+    outlines.push(arrow.map(|[x, y]| on_page(front + x, y)).to_vec());
     let (x, y) = (model.right_mm / 3.0, model.top_mm / 2.0);
     outlines.push(stroke(on_page(0.0, 0.0), on_page(x, 0.0), LINE_MM));
     outlines.push(stroke(on_page(0.0, 0.0), on_page(0.0, y), LINE_MM));
-    let text = |at: PointMm, text: &str| Mark::text((at.x_mm + 0.8, at.y_mm - 0.8), ID_MM, TextAnchor::Left, text);
+    let text = |at: Point2, text: &str| Mark::text([at[0] + 0.8, at[1] - 0.8], ID_MM, TextAnchor::Left, text);
     let corner = on_page(model.right_mm, model.top_mm);
-    let beside = |x: f64, y: f64| PointMm::new(corner.x_mm + x, corner.y_mm + y);
+    let beside = |x: f64, y: f64| [corner[0] + x, corner[1] + y];
     outlines.push(stroke(beside(-1.5, 1.5), beside(1.5, -1.5), LINE_MM));
     vec![
         Mark::Area { outlines, colour: GREY },
@@ -178,11 +179,11 @@ fn model_marks(model: RectMm, window: &GroundWindow) -> Vec<Mark> {
 fn card(tag: &Tag, window: &GroundWindow) -> Vec<Mark> {
     let heading = FloorPlace::from_tag(tag).heading_deg.to_radians();
     let (dx, dy) = (heading.cos(), heading.sin());
-    let at = window.on_page(PointMm::new(tag.centre_mm.x, tag.centre_mm.y));
-    let end = PointMm::new(at.x_mm + POINTER_MM * dx, at.y_mm + POINTER_MM * dy);
+    let at = window.on_page([tag.centre_mm.x, tag.centre_mm.y]);
+    let end = [at[0] + POINTER_MM * dx, at[1] + POINTER_MM * dy];
     let mut outlines = stroked(&window.outline(&foot(tag)), LINE_MM);
     outlines.push(stroke(at, end, LINE_MM));
-    let label = (end.x_mm + ID_MM * dx, end.y_mm + ID_MM * dy);
+    let label = [end[0] + ID_MM * dx, end[1] + ID_MM * dy];
     vec![
         Mark::black(outlines),
         Mark::centred(label, (ID_MM, f64::INFINITY), tag.id.to_string()),
@@ -191,20 +192,20 @@ fn card(tag: &Tag, window: &GroundWindow) -> Vec<Mark> {
 
 /// Returns a tag's black square projected onto the ground.
 fn foot(tag: &Tag) -> OutlineMm {
-    tag.corners_mm().map(|p| PointMm::new(p.x, p.y)).to_vec()
+    tag.corners_mm().map(|p| [p.x, p.y]).to_vec()
 }
 
 /// Draws a bar of a round length, with the drawing's scale.
-fn scale_bar(one_to: f64, (x, y): (f64, f64)) -> Vec<Mark> {
+fn scale_bar(one_to: f64, [x, y]: Point2) -> Vec<Mark> {
     let mut lengths = [50.0, 100.0, 200.0, 500.0, 1000.0, 5000.0].into_iter();
     let length = lengths.find(|length| length / one_to >= 20.0).unwrap_or(20_000.0);
     let end = x + length / one_to;
     vec![
-        Mark::line((x, y), (end, y), LINE_MM),
-        Mark::line((x, y - 1.0), (x, y + 1.0), LINE_MM),
-        Mark::line((end, y - 1.0), (end, y + 1.0), LINE_MM),
+        Mark::line([x, y], [end, y], LINE_MM),
+        Mark::line([x, y - 1.0], [x, y + 1.0], LINE_MM),
+        Mark::line([end, y - 1.0], [end, y + 1.0], LINE_MM),
         Mark::text(
-            (end + 2.0, y - 0.5 * CAP_HEIGHT * TEXT_MM),
+            [end + 2.0, y - 0.5 * CAP_HEIGHT * TEXT_MM],
             TEXT_MM,
             TextAnchor::Left,
             format!("{} mm · drawn 1:{} of the set-up", number(length), number(one_to)),
@@ -218,7 +219,7 @@ fn table<'t, 's>(tags: &'t [&'s Tag], scene: &Scene, room: RectMm) -> (Vec<Mark>
     let mut y = room.top_mm - CAP_HEIGHT * TEXT_MM;
     for line in LEGEND {
         let size = (TEXT_MM, room.width_mm());
-        marks.push(Mark::fitted((room.left_mm, y), size, TextAnchor::Left, line));
+        marks.push(Mark::fitted([room.left_mm, y], size, TextAnchor::Left, line));
         y -= LEADING_MM;
     }
     y -= 0.5 * LEADING_MM;
@@ -228,13 +229,13 @@ fn table<'t, 's>(tags: &'t [&'s Tag], scene: &Scene, room: RectMm) -> (Vec<Mark>
         let cell = |((_, to), text): (&(&str, f64), String)| {
             let size = (TEXT_MM, factor * (to - from) - 1.5);
             from = *to;
-            Mark::fitted((room.left_mm + factor * to, y), size, TextAnchor::Right, text)
+            Mark::fitted([room.left_mm + factor * to, y], size, TextAnchor::Right, text)
         };
         COLUMNS.iter().zip(cells).map(cell).collect::<Vec<_>>()
     };
     marks.extend(row(y, COLUMNS.map(|(name, _)| name.to_owned())));
     let end = room.left_mm + factor * 178.0;
-    marks.push(Mark::line((room.left_mm, y - 1.2), (end, y - 1.2), 0.15));
+    marks.push(Mark::line([room.left_mm, y - 1.2], [end, y - 1.2], 0.15));
     let has_room = ((y - room.bottom_mm) / LEADING_MM).floor().max(0.0) as usize;
     let (now, later) = tags.split_at(has_room.min(tags.len()));
     for tag in now {

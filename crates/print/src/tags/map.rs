@@ -124,13 +124,13 @@ impl TagMap<'_> {
             return Vec::new();
         }
         let left = room.left_mm + (room.width_mm() - scale * shown.width_mm()) / 2.0;
-        let window = GroundWindow::level((shown.left_mm, shown.top_mm), (left, room.top_mm), scale);
+        let window = GroundWindow::level([shown.left_mm, shown.top_mm], [left, room.top_mm], scale);
         let mut marks = Vec::new();
         for plan in &ground.layout.sheets {
             let cell = RectMm::around(&window.outline(&ground.ground(plan.own).outline()));
             marks.extend(paper(cell));
             let size_mm = SHEET_ID_MM.min(0.3 * cell.height_mm()).min(0.3 * cell.width_mm());
-            let at = (cell.left_mm + 1.0, cell.top_mm - 1.0 - CAP_HEIGHT * size_mm);
+            let at = [cell.left_mm + 1.0, cell.top_mm - 1.0 - CAP_HEIGHT * size_mm];
             marks.push(Mark::text(at, size_mm, TextAnchor::Left, plan.id()));
         }
         marks.extend(self.things(ground, &window, &strips));
@@ -186,7 +186,7 @@ impl TagMap<'_> {
             let x = room.left_mm + (i % a_row) as f64 * (high * ratio + GAP_MM);
             let y = top - (i / a_row) as f64 * (high + NAME_MM + GAP_MM);
             let size = (NAME_MM, high * ratio + GAP_MM - 1.0);
-            marks.push(Mark::fitted((x, y - NAME_MM), size, TextAnchor::Left, name.as_str()));
+            marks.push(Mark::fitted([x, y - NAME_MM], size, TextAnchor::Left, name.as_str()));
             let cell = RectMm::new(x, y - NAME_MM - 1.0 - high, x + high * ratio, y - NAME_MM - 1.0);
             marks.extend(paper(cell));
             if let Some(page) = i.checked_sub(self.plan_names.len()).and_then(|i| self.cards.get(i)) {

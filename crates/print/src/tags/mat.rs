@@ -9,7 +9,8 @@ use super::arrange::Arrangement;
 use super::tent::Tent;
 use super::{TagPrintError, image_of};
 use crate::shapes::{OutlineMm, TagPlacement, black_modules, clipped, overlap, stroke, stroked};
-use crate::sheet::{BLACK, Mark, PointMm, RectMm, Srgb8};
+use crate::sheet::{BLACK, Mark, RectMm, Srgb8};
+use scaleproof_core::geometry::Point2;
 use scaleproof_plot::lettering::{CAP_HEIGHT, fitting_size_mm, number, printable};
 use scaleproof_pose::scene::{ScaleModel, Scene, Tag};
 
@@ -49,7 +50,7 @@ pub struct GroundShape {
 /// Centred text; `at` is the middle of its capitals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Label {
-    pub at: PointMm,
+    pub at: Point2,
     pub size_mm: f64,
     pub text: String,
 }
@@ -85,19 +86,19 @@ impl Mat {
         let ground = RectMm::new(-front, -side, front, side).outline();
         let mut outlines = stroked(&ground, LINE_MM);
         self.footprints.push(("the model".to_owned(), ground));
-        let cross = |x: f64, y: f64| stroke(PointMm::new(-x, -y), PointMm::new(x, y), LINE_MM);
+        let cross = |x: f64, y: f64| stroke([-x, -y], [x, y], LINE_MM);
         outlines.extend([cross(8.0, 0.0), cross(0.0, 8.0)]);
         let arrow = [(0.0, -ARROW_MM / 3.0), (ARROW_MM, 0.0), (0.0, ARROW_MM / 3.0)];
-        outlines.push(arrow.map(|(x, y)| PointMm::new(front + 2.0 + x, y)).to_vec());
+        outlines.push(arrow.map(|(x, y)| [front + 2.0 + x, y]).to_vec());
         self.model.clone_from(&outlines);
         self.shapes.push(GroundShape { outlines, colour: GREY });
         let size = format!("{} × {} mm", number(length), number(width));
         let text_mm = TITLE_MM.min(width / 8.0);
         let name = printable(&model.name);
         let name_mm = fitting_size_mm(&name, text_mm, 0.9 * length);
-        self.label((0.0, side / 2.0), name_mm, name);
-        self.label((0.0, -side / 2.0), text_mm, size);
-        self.label((front - 3.0 * text_mm, 0.0), text_mm, "FRONT".to_owned());
+        self.label([0.0, side / 2.0], name_mm, name);
+        self.label([0.0, -side / 2.0], text_mm, size);
+        self.label([front - 3.0 * text_mm, 0.0], text_mm, "FRONT".to_owned());
     }
 
     fn add_flat_tag(&mut self, tag: &Tag) -> Result<(), TagPrintError> {
@@ -115,7 +116,7 @@ impl Mat {
             colour: BLACK,
         });
         let below = place.at(0.0, -half - TEXT_MM);
-        self.label((below.x_mm, below.y_mm), TEXT_MM, format!("id {}", tag.id));
+        self.label(below, TEXT_MM, format!("id {}", tag.id));
         Ok(())
     }
 
@@ -130,17 +131,17 @@ impl Mat {
         let [a_left, a_right, b_right, b_left] = feet;
         let middle = nalgebra::center(&a_left, &b_right);
         let size_mm = TITLE_MM.min(tent.base_mm / 4.0);
-        self.label((middle.x, middle.y), size_mm, format!("T{number}"));
+        self.label([middle.x, middle.y], size_mm, format!("T{number}"));
         for (tag, ends) in tent.tags.iter().zip([[a_left, a_right], [b_right, b_left]]) {
             // Slightly inside the foot of the face that carries the tag.
             let at = nalgebra::center(&ends[0], &ends[1]);
             let at = at + (middle - at).normalize() * (1.2 * size_mm);
-            self.label((at.x, at.y), (0.5 * size_mm).max(2.0), format!("id {}", tag.id));
+            self.label([at.x, at.y], (0.5 * size_mm).max(2.0), format!("id {}", tag.id));
         }
     }
 
-    fn label(&mut self, (x, y): (f64, f64), size_mm: f64, text: String) {
-        let at = PointMm::new(x, y - 0.5 * CAP_HEIGHT * size_mm);
+    fn label(&mut self, [x, y]: Point2, size_mm: f64, text: String) {
+        let at = [x, y - 0.5 * CAP_HEIGHT * size_mm];
         self.labels.push(Label { at, size_mm, text });
     }
 
@@ -158,20 +159,20 @@ impl Mat {
     }
 
     /// Draws grey lines along an outline, and its name in the middle.
-    pub fn add_outline(&mut self, outline: &[PointMm], at: PointMm, name: String) {
+    pub fn add_outline(&mut self, outline: &[Point2], at: Point2, name: String) {
         self.shapes.push(GroundShape {
             outlines: stroked(outline, LINE_MM),
             colour: GREY,
         });
-        self.label((at.x_mm, at.y_mm), TEXT_MM, name);
+        self.label(at, TEXT_MM, name);
     }
 }
 
-pub fn on_mat(point: &Point3<f64>) -> PointMm {
-    PointMm::new(point.x, point.y)
+pub fn on_mat(point: &Point3<f64>) -> Point2 {
+    [point.x, point.y]
 }
 
-fn level_unit(x: f64, y: f64) -> [f64; 2] {
+fn level_unit(x: f64, y: f64) -> Point2 {
     let length = x.hypot(y);
     [x / length, y / length]
 }
@@ -179,35 +180,35 @@ fn level_unit(x: f64, y: f64) -> [f64; 2] {
 /// Similarity transform from the ground to a page: translation, rotation and scale.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GroundWindow {
-    pub centre: PointMm,
+    pub centre: Point2,
     /// Position of `centre` on the page.
-    pub at: PointMm,
+    pub at: Point2,
     /// Unit vector of the ground that points right on the page.
-    pub right: [f64; 2],
+    pub right: Point2,
     pub scale: f64,
 }
 
 impl GroundWindow {
     /// Returns a window with the model's front to the right.
-    pub fn level(centre: (f64, f64), at: (f64, f64), scale: f64) -> Self {
+    pub fn level(centre: Point2, at: Point2, scale: f64) -> Self {
         Self {
-            centre: centre.into(),
-            at: at.into(),
+            centre,
+            at,
             right: [1.0, 0.0],
             scale,
         }
     }
 
-    pub fn on_page(&self, p: PointMm) -> PointMm {
-        let (x, y) = (p.x_mm - self.centre.x_mm, p.y_mm - self.centre.y_mm);
+    pub fn on_page(&self, p: Point2) -> Point2 {
+        let (x, y) = (p[0] - self.centre[0], p[1] - self.centre[1]);
         let [c, s] = self.right;
-        PointMm::new(
-            self.at.x_mm + self.scale * (c * x + s * y),
-            self.at.y_mm + self.scale * (c * y - s * x),
-        )
+        [
+            self.at[0] + self.scale * (c * x + s * y),
+            self.at[1] + self.scale * (c * y - s * x),
+        ]
     }
 
-    pub fn outline(&self, outline: &[PointMm]) -> OutlineMm {
+    pub fn outline(&self, outline: &[Point2]) -> OutlineMm {
         outline.iter().map(|p| self.on_page(*p)).collect()
     }
 

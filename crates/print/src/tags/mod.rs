@@ -4,73 +4,32 @@
 
 mod arrange;
 mod cards;
+mod error;
 mod floor_plan;
 mod ground;
 mod ground_sheets;
 mod map;
+mod marks;
 mod mat;
 mod piece;
+mod request;
 pub mod seams;
 mod strip;
 mod tent;
+
+pub use error::{Instead, TagPrintError};
+pub(crate) use marks::{LINE_MM, captions, image_of};
+pub use request::TagRequest;
 
 pub use arrange::{Arrangement, arrange};
 pub use ground::Ground;
 
 use std::fmt;
 
-use super::SheetError;
-use super::media::Media;
 use super::sheet::{RectMm, Sheet};
-use super::template::making;
 use scaleproof_core::spelling::{count, list};
 use scaleproof_plot::lettering::number;
-use scaleproof_pose::scene::{Scene, Tag};
-use scaleproof_pose::tags::TagImage;
-
-/// Minimum size of a module; smaller ones are illegible from an office printer (about 5 dots at 600 dpi).
-const MIN_MODULE_MM: f64 = 0.2;
-/// Width of cut and fold lines.
-const LINE_MM: f64 = 0.2;
-
-/// Reason why no tags were printed.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum TagPrintError {
-    #[error(transparent)]
-    Sheet(#[from] SheetError),
-    #[error("the scene has no tags; add [[tag]] tables to it, or make one with `scaleproof scene new`")]
-    NoTags,
-    #[error("tag {id} of {family} could not be drawn: the AprilTag library does not have it")]
-    NoImage { family: &'static str, id: u32 },
-    #[error(
-        "tag {id} would have modules of {module_mm:.3} mm, smaller than the {MIN_MODULE_MM} mm a printer can show; use larger tags"
-    )]
-    ModuleTooSmall { id: u32, module_mm: f64 },
-    #[error("{what} takes {needed_mm} mm and the paper has {free_mm} mm for it; use larger paper{instead}")]
-    TooLarge {
-        what: String,
-        needed_mm: String,
-        free_mm: String,
-        instead: Instead,
-    },
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Instead {
-    Nothing,
-    WholeMat,
-    PlainCards,
-}
-
-impl fmt::Display for Instead {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Nothing => "",
-            Self::WholeMat => ", or print the whole mat",
-            Self::PlainCards => ", or print plain cards",
-        })
-    }
-}
+use scaleproof_pose::scene::Scene;
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum TagNote {
@@ -107,15 +66,6 @@ impl fmt::Display for TagNote {
             Self::PlaceStrips => write!(f, "place strips save sheets and put cards within about 1 mm"),
         }
     }
-}
-
-#[derive(Debug, Clone, PartialEq)]
-pub struct TagRequest {
-    pub media: Media,
-    /// True to print every tag as a plain card, regardless of its pose.
-    pub plain: bool,
-    /// True to draw the place of every tent card on the mat itself, regardless of the number of sheets.
-    pub whole_mat: bool,
 }
 
 #[derive(Debug, Clone)]
@@ -272,24 +222,4 @@ fn cards_how_to(arrangement: &Arrangement) -> [&'static str; 2] {
         (false, true) => tents,
         (false, false) => [tents[0], cards[1]],
     }
-}
-
-fn image_of(tag: &Tag) -> Result<TagImage, TagPrintError> {
-    let image = TagImage::new(tag.family, tag.id).ok_or(TagPrintError::NoImage {
-        family: tag.family.name(),
-        id: tag.id,
-    })?;
-    let module_mm = tag.size_mm / image.border_modules() as f64;
-    if module_mm < MIN_MODULE_MM {
-        return Err(TagPrintError::ModuleTooSmall { id: tag.id, module_mm });
-    }
-    Ok(image)
-}
-
-/// Returns the lines at the foot of every page.
-fn captions(scene: &Scene, media: Media, how_to: [&str; 2]) -> Vec<String> {
-    let (name, scale) = (&scene.model.name, number(scene.model.scale));
-    let making = format!("scene {name} · scale 1:{scale} · {}", making(&media));
-    let check = "Print at 100 % (no fit to page): both rulers must measure 100 mm.";
-    [check, how_to[0], how_to[1], &making].map(str::to_owned).to_vec()
 }

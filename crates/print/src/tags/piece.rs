@@ -5,10 +5,11 @@ use crate::frame::PageFrame;
 use crate::media::Media;
 use crate::pack::{self, Spot};
 use crate::paper::Stock;
-use crate::sheet::{Mark, PointMm, RectMm};
+use crate::sheet::{Mark, RectMm};
+use scaleproof_core::geometry::Point2;
 use scaleproof_plot::lettering::size;
 
-type Draw<'a> = Box<dyn Fn(PointMm) -> Result<Vec<Mark>, TagPrintError> + 'a>;
+type Draw<'a> = Box<dyn Fn(Point2) -> Result<Vec<Mark>, TagPrintError> + 'a>;
 
 pub struct CutPiece<'a> {
     pub size_mm: (f64, f64),
@@ -36,7 +37,7 @@ pub fn spread(pieces: &[CutPiece], media: Media) -> Result<Vec<PiecePage>, TagPr
     let mut pages = Vec::new();
     for number in 0..count(&spots) {
         // A roll is cut off below its lowest piece.
-        let bottoms = spots.iter().filter(|spot| spot.page == number).map(|spot| spot.at.y_mm);
+        let bottoms = spots.iter().filter(|spot| spot.page == number).map(|spot| spot.at[1]);
         let lowest = bottoms.fold(page.usable.top_mm, f64::min);
         pages.push(PiecePage {
             page: page.cut_off(media.paper, page.usable.top_mm - lowest)?,
@@ -48,10 +49,9 @@ pub fn spread(pieces: &[CutPiece], media: Media) -> Result<Vec<PiecePage>, TagPr
         let on = &mut pages[spot.page];
         // A page cut from a roll is lower than the planned one.
         let down = page.usable.top_mm - on.page.usable.top_mm;
-        let at = PointMm::new(spot.at.x_mm, spot.at.y_mm - down);
+        let at = [spot.at[0], spot.at[1] - down];
         on.marks.extend((piece.draw)(at)?);
-        on.names
-            .push((piece.name.clone(), RectMm::sized((at.x_mm, at.y_mm), piece.size_mm)));
+        on.names.push((piece.name.clone(), RectMm::sized(at, piece.size_mm)));
     }
     Ok(pages)
 }

@@ -4,7 +4,8 @@
 use super::mat::{GroundWindow, Mat, on_mat};
 use super::tent::Tent;
 use crate::shapes::{OutlineMm, TagPlacement, overlap};
-use crate::sheet::{PointMm, RectMm};
+use crate::sheet::RectMm;
+use scaleproof_core::geometry::Point2;
 
 pub const WIDTH_MM: f64 = 36.0;
 /// Length of the part of a strip beneath its card.
@@ -51,7 +52,7 @@ impl Standing {
         {
             return Standing::OnMat;
         }
-        let [a, b] = feet.map(|[a, b]| PointMm::new((a.x_mm + b.x_mm) / 2.0, (a.y_mm + b.y_mm) / 2.0));
+        let [a, b] = feet.map(|[a, b]| [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0]);
         let strip = |foot, other| PlaceStrip::from_foot(number, tent, (foot, other), mat, paper, most_mm);
         let strips = [strip(a, b), strip(b, a)].into_iter().flatten();
         let shortest = strips.min_by(|a, b| a.length_mm.total_cmp(&b.length_mm));
@@ -64,12 +65,12 @@ impl PlaceStrip {
     fn from_foot(
         number: usize,
         tent: &Tent,
-        (foot, other): (PointMm, PointMm),
+        (foot, other): (Point2, Point2),
         mat: &Mat,
         paper: RectMm,
         most_mm: f64,
     ) -> Option<PlaceStrip> {
-        let (x, y) = (other.x_mm - foot.x_mm, other.y_mm - foot.y_mm);
+        let (x, y) = (other[0] - foot[0], other[1] - foot[1]);
         let right = [x / tent.base_mm, y / tent.base_mm];
         let under = UNDER_MM.min(tent.base_mm / 2.0);
         let strip = |reach_mm: f64, root_mm: f64| {
@@ -80,7 +81,7 @@ impl PlaceStrip {
                 root_mm,
                 under_mm: under,
                 place: TagPlacement {
-                    centre: PointMm::new(foot.x_mm + middle * right[0], foot.y_mm + middle * right[1]),
+                    centre: [foot[0] + middle * right[0], foot[1] + middle * right[1]],
                     right,
                     module_mm: 1.0,
                 },
@@ -112,7 +113,7 @@ impl PlaceStrip {
     }
 
     /// Returns the position of the strip's name on the mat: in its root, beside its middle line, on which the model's arrow may lie.
-    pub fn name_at(&self) -> PointMm {
+    pub fn name_at(&self) -> Point2 {
         self.place.at((self.root_mm - self.length_mm) / 2.0, WIDTH_MM / 3.0)
     }
 
@@ -123,16 +124,16 @@ impl PlaceStrip {
     }
 
     /// Returns the ground window of a strip that lies level on a page, with its lower left corner at `at`.
-    pub fn window(&self, at: PointMm) -> GroundWindow {
+    pub fn window(&self, at: Point2) -> GroundWindow {
         GroundWindow {
             centre: self.place.centre,
-            at: PointMm::new(at.x_mm + self.length_mm / 2.0, at.y_mm + WIDTH_MM / 2.0),
+            at: [at[0] + self.length_mm / 2.0, at[1] + WIDTH_MM / 2.0],
             right: self.place.right,
             scale: 1.0,
         }
     }
 
-    pub fn area(&self, at: PointMm) -> RectMm {
-        RectMm::sized((at.x_mm, at.y_mm), (self.length_mm, WIDTH_MM))
+    pub fn area(&self, at: Point2) -> RectMm {
+        RectMm::sized(at, (self.length_mm, WIDTH_MM))
     }
 }

@@ -7,7 +7,6 @@ use nalgebra::Isometry3;
 use nalgebra::{Matrix3, Point2, Point3, UnitQuaternion, Vector2, Vector3};
 
 use crate::shapes::{OutlineMm, stroke};
-use crate::sheet::PointMm;
 use scaleproof_core::geometry::{Rigid, rigid};
 use scaleproof_pose::scene::Tag;
 
@@ -135,7 +134,7 @@ impl Tent {
     pub fn middle_marks(&self) -> [OutlineMm; 2] {
         let at = |y: f64| {
             let place = self.place * Point3::new(0.0, y, 0.0);
-            PointMm::new(place.x, place.y)
+            [place.x, place.y]
         };
         let (foot, end) = (self.base_mm / 2.0, self.base_mm / 2.0 + MIDDLE_MM);
         [-1.0, 1.0].map(|side| stroke(at(side * foot), at(side * end), MIDDLE_LINE_MM))

@@ -46,7 +46,7 @@ pub fn first_page(
 pub fn titled(area: RectMm, title: String) -> (Mark, RectMm) {
     let title_y = area.top_mm - CAP_HEIGHT * TITLE_MM;
     let room = (TITLE_MM, area.width_mm());
-    let mark = Mark::fitted((area.left_mm, title_y), room, TextAnchor::Left, title);
+    let mark = Mark::fitted([area.left_mm, title_y], room, TextAnchor::Left, title);
     let top_mm = title_y - GAP_MM;
     (mark, RectMm { top_mm, ..area })
 }
@@ -73,7 +73,7 @@ pub fn instructions(
         body.width_mm()
     };
     let mut line = |x: f64, y: f64, size_mm: f64, text: String| {
-        marks.push(Mark::text((x, y), size_mm, TextAnchor::Left, text));
+        marks.push(Mark::text([x, y], size_mm, TextAnchor::Left, text));
     };
     let mut y = body.top_mm - CAP_HEIGHT * TEXT_MM;
     for (i, step) in steps.iter().enumerate() {
@@ -133,20 +133,20 @@ fn map(layout: &SheetLayout, room: RectMm) -> Vec<Mark> {
     let mut marks = furniture::map_grid(layout, area);
     for plan in &layout.sheets {
         let cell = furniture::map_cell(layout, area, plan);
-        let (x, y) = cell.middle();
+        let [x, y] = cell.middle();
         let (wide, high) = (cell.width_mm(), cell.height_mm());
-        let mut centred = |at: (f64, f64), most_mm: f64, largest: f64, text: String| {
+        let mut centred = |at: [f64; 2], most_mm: f64, largest: f64, text: String| {
             marks.push(Mark::centred(at, (largest.min(0.25 * high), most_mm), text));
         };
-        centred((x, y), 0.5 * wide, MAP_ID_MM, plan.id());
+        centred([x, y], 0.5 * wide, MAP_ID_MM, plan.id());
         let seams = layout.seams(plan.row, plan.column);
         // Beside the seam, on both of its sides.
         let (aside, above) = ((0.1 * wide).min(MAP_SEAM_MM), (0.15 * high).min(MAP_SEAM_MM));
         for (at, letter) in [
-            ((cell.left_mm + aside, y), seams.left),
-            ((cell.right_mm - aside, y), seams.right),
-            ((x, cell.top_mm - above), seams.above),
-            ((x, cell.bottom_mm + above), seams.below),
+            ([cell.left_mm + aside, y], seams.left),
+            ([cell.right_mm - aside, y], seams.right),
+            ([x, cell.top_mm - above], seams.above),
+            ([x, cell.bottom_mm + above], seams.below),
         ] {
             if let Some(letter) = letter {
                 centred(at, 0.15 * wide, MAP_SEAM_MM, letter);

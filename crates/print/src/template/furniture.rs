@@ -7,6 +7,7 @@ use crate::frame::{CROP_STRIP_MM, KEY_WIDTH_MM, PageFrame};
 use crate::media::Media;
 use crate::ruler;
 use crate::sheet::{BLACK, Mark, RectMm, Sheet, Srgb8, TextAnchor, WHITE};
+use scaleproof_core::geometry::Point2;
 use scaleproof_plot::lettering::{CAP_HEIGHT, number, printable, shortened, width_mm};
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::picture::Picture;
@@ -72,7 +73,7 @@ fn ghost_lines(layout: &SheetLayout, plan: &SheetPlan) -> Vec<Mark> {
     let (trim, printed) = (plan.trim, plan.printed);
     let seams = layout.seams(plan.row, plan.column);
     let mut marks = Vec::new();
-    let mut ghost = |from: (f64, f64), to: (f64, f64)| {
+    let mut ghost = |from: Point2, to: Point2| {
         for (colour, dash_mm) in [(WHITE, None), (BLACK, Some((2.0, 2.0)))] {
             marks.push(Mark::stroke([from, to], GHOST_LINE_MM, dash_mm, colour));
         }
@@ -80,11 +81,11 @@ fn ghost_lines(layout: &SheetLayout, plan: &SheetPlan) -> Vec<Mark> {
     // A strip too narrow for the line needs none.
     if seams.right.is_some() && printed.right_mm - trim.right_mm > 2.0 * GHOST_LINE_MM {
         let x = trim.right_mm + 0.5 * GHOST_LINE_MM;
-        ghost((x, printed.top_mm), (x, printed.bottom_mm));
+        ghost([x, printed.top_mm], [x, printed.bottom_mm]);
     }
     if seams.below.is_some() && trim.bottom_mm - printed.bottom_mm > 2.0 * GHOST_LINE_MM {
         let y = trim.bottom_mm - 0.5 * GHOST_LINE_MM;
-        ghost((printed.left_mm, y), (printed.right_mm, y));
+        ghost([printed.left_mm, y], [printed.right_mm, y]);
     }
     marks
 }
@@ -99,7 +100,7 @@ fn crop_marks(plan: &SheetPlan) -> Vec<Mark> {
             (high + CROP_GAP_MM, high + CROP_GAP_MM + length),
         ]
     };
-    let crop = |at: [f64; 2], [low, high]: [f64; 2], point: fn(f64, f64) -> (f64, f64)| {
+    let crop = |at: [f64; 2], [low, high]: [f64; 2], point: fn(f64, f64) -> Point2| {
         let lines = at.map(|at| spans(low, high).map(|(from, to)| [point(at, from), point(at, to)]));
         lines
             .into_iter()
@@ -107,9 +108,9 @@ fn crop_marks(plan: &SheetPlan) -> Vec<Mark> {
             .map(|[from, to]| Mark::line(from, to, CROP_LINE_MM))
     };
     let ([left, bottom, right, top], [low_x, low_y, high_x, high_y]) = (trim.edges(), printed.edges());
-    let upright = crop([left, right], [low_y, high_y], |x, y| (x, y));
+    let upright = crop([left, right], [low_y, high_y], |x, y| [x, y]);
     upright
-        .chain(crop([bottom, top], [low_x, high_x], |y, x| (x, y)))
+        .chain(crop([bottom, top], [low_x, high_x], |y, x| [x, y]))
         .collect()
 }
 
@@ -118,23 +119,23 @@ fn crop_marks(plan: &SheetPlan) -> Vec<Mark> {
 fn sides(layout: &SheetLayout, plan: &SheetPlan) -> Vec<Mark> {
     let (trim, printed) = (plan.trim, plan.printed);
     let seams = layout.seams(plan.row, plan.column);
-    let (x, y) = trim.middle();
+    let [x, y] = trim.middle();
     let out = 0.5 * CROP_STRIP_MM;
     let mut marks = Vec::new();
-    let mut side = |(x, y): (f64, f64), length_mm: f64, (aside, above): (f64, f64), letter: Option<String>| {
+    let mut side = |[x, y]: Point2, length_mm: f64, [aside, above]: Point2, letter: Option<String>| {
         // On a sliver the crosses would overlap the crop marks.
         if length_mm > 2.0 * CROP_STRIP_MM {
-            marks.push(Mark::line((x - CROSS_MM, y), (x + CROSS_MM, y), CROP_LINE_MM));
-            marks.push(Mark::line((x, y - CROSS_MM), (x, y + CROSS_MM), CROP_LINE_MM));
+            marks.push(Mark::line([x - CROSS_MM, y], [x + CROSS_MM, y], CROP_LINE_MM));
+            marks.push(Mark::line([x, y - CROSS_MM], [x, y + CROSS_MM], CROP_LINE_MM));
         }
         let room = (SEAM_LETTER_MM, CROP_STRIP_MM - 1.0);
-        marks.extend(letter.map(|letter| Mark::centred((x + aside, y + above), room, letter)));
+        marks.extend(letter.map(|letter| Mark::centred([x + aside, y + above], room, letter)));
     };
-    let (upright, level) = ((0.0, SEAM_OFFSET_MM), (SEAM_OFFSET_MM, 0.0));
-    side((printed.left_mm - out, y), trim.height_mm(), upright, seams.left);
-    side((printed.right_mm + out, y), trim.height_mm(), upright, seams.right);
-    side((x, printed.top_mm + out), trim.width_mm(), level, seams.above);
-    side((x, printed.bottom_mm - out), trim.width_mm(), level, seams.below);
+    let (upright, level) = ([0.0, SEAM_OFFSET_MM], [SEAM_OFFSET_MM, 0.0]);
+    side([printed.left_mm - out, y], trim.height_mm(), upright, seams.left);
+    side([printed.right_mm + out, y], trim.height_mm(), upright, seams.right);
+    side([x, printed.top_mm + out], trim.width_mm(), level, seams.above);
+    side([x, printed.bottom_mm - out], trim.width_mm(), level, seams.below);
     marks
 }
 
@@ -218,15 +219,15 @@ impl Captions {
 
     /// Draws the arrows to the piece's top and to the model's front, at the top of the key block.
     fn arrows(&self, frame: &PageFrame) -> Vec<Mark> {
-        let middle = frame.horizontal_ruler.y_mm - 0.5 * ARROW_MM - 0.3;
+        let middle = frame.horizontal_ruler[1] - 0.5 * ARROW_MM - 0.3;
         let baseline = middle - 0.5 * CAP_HEIGHT * ARROW_LABEL_MM;
-        let label = |x: f64, text: &str| Mark::text((x, baseline), ARROW_LABEL_MM, TextAnchor::Left, text);
+        let label = |x: f64, text: &str| Mark::text([x, baseline], ARROW_LABEL_MM, TextAnchor::Left, text);
         let left = frame.printable.right_mm - KEY_WIDTH_MM;
-        let mut marks = arrow((left + 1.0, middle), (0.0, 1.0));
+        let mut marks = arrow([left + 1.0, middle], [0.0, 1.0]);
         marks.push(label(left + 2.5, "UP"));
         if let Some(direction) = self.front.direction() {
             let text_left = frame.printable.right_mm - width_mm("FRONT", ARROW_LABEL_MM);
-            marks.extend(arrow((text_left - 0.5 * ARROW_MM - 0.5, middle), direction));
+            marks.extend(arrow([text_left - 0.5 * ARROW_MM - 0.5, middle], direction));
             marks.push(label(text_left, "FRONT"));
         }
         marks
@@ -241,8 +242,8 @@ pub fn making(media: &Media) -> String {
 }
 
 /// Draws an arrow of [`ARROW_MM`] around `centre`.
-fn arrow(centre: (f64, f64), (dx, dy): (f64, f64)) -> Vec<Mark> {
-    let along = |mm: f64, aside: f64| (centre.0 + mm * dx - aside * dy, centre.1 + mm * dy + aside * dx);
+fn arrow([x, y]: Point2, [dx, dy]: Point2) -> Vec<Mark> {
+    let along = |mm: f64, aside: f64| [x + mm * dx - aside * dy, y + mm * dy + aside * dx];
     let (tail, tip) = (along(-0.5 * ARROW_MM, 0.0), along(0.5 * ARROW_MM, 0.0));
     let barb = |aside: f64| Mark::line(along(0.5 * ARROW_MM - 1.2, aside), tip, ARROW_LINE_MM);
     vec![Mark::line(tail, tip, ARROW_LINE_MM), barb(0.9), barb(-0.9)]
@@ -257,7 +258,7 @@ fn key(layout: &SheetLayout, plan: &SheetPlan, captions: &Captions) -> Vec<Mark>
         .piece
         .as_ref()
         .map_or(String::new(), |piece| format!("{piece} "));
-    let at = (map.right_mm, map.top_mm + ID_GAP_MM);
+    let at = [map.right_mm, map.top_mm + ID_GAP_MM];
     let id = piece + &plan.id();
     marks.push(Mark::fitted(at, (ID_MM, KEY_WIDTH_MM), TextAnchor::Right, id));
     marks
@@ -274,8 +275,8 @@ pub fn map_cell(layout: &SheetLayout, map: RectMm, plan: &SheetPlan) -> RectMm {
 /// Draws the lines of a map: the outline of every sheet, shared ones once.
 pub fn map_grid(layout: &SheetLayout, map: RectMm) -> Vec<Mark> {
     let [left, bottom, right, top] = map.edges();
-    let upright = |x: f64| Mark::line((x, bottom), (x, top), CROP_LINE_MM);
-    let level = |y: f64| Mark::line((left, y), (right, y), CROP_LINE_MM);
+    let upright = |x: f64| Mark::line([x, bottom], [x, top], CROP_LINE_MM);
+    let level = |y: f64| Mark::line([left, y], [right, y], CROP_LINE_MM);
     let first_row = layout.sheets.iter().filter(|plan| plan.row == 0);
     let first_column = layout.sheets.iter().filter(|plan| plan.column == 0);
     let mut marks = vec![upright(left), level(top)];

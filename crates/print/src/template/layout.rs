@@ -8,7 +8,7 @@ use crate::frame::PageFrame;
 use crate::media::Media;
 use crate::paper::{MAX_SIDE_MM, Orientation, Stock};
 use crate::sheet::RectMm;
-use scaleproof_core::geometry::length;
+use scaleproof_core::geometry::{Point2, length};
 use scaleproof_plot::lettering::size;
 
 /// Maximum number of sheets; a van of life size on A4 takes fewer, more are a mistake in the numbers.
@@ -254,11 +254,11 @@ pub struct SheetSeams {
 
 impl SheetPlan {
     /// Converts a point of the template with y turned up, (x, −y) of the template frame, to the page.
-    pub fn on_page(&self, x_mm: f64, y_mm: f64) -> (f64, f64) {
-        (
-            self.printed.left_mm + x_mm - self.carried.left_mm,
-            self.printed.top_mm + y_mm + self.carried.top_mm,
-        )
+    pub fn on_page(&self, [x, y]: Point2) -> Point2 {
+        [
+            self.printed.left_mm + x - self.carried.left_mm,
+            self.printed.top_mm + y + self.carried.top_mm,
+        ]
     }
 
     /// Returns row letter and column number, as in `B2`. After row Z comes AA.

@@ -1,11 +1,12 @@
 //! First page: assembly of the panels on the model, the statistics of each, and all of them small with their seam letters.
 
 use super::seams::PanelSeams;
-use super::{Contour, Panel, Point, Wrap};
+use super::{Contour, Panel, Wrap};
 use crate::frame::PageFrame;
 use crate::printer;
-use crate::sheet::{BLACK, Mark, PointMm, RectMm, Sheet, Srgb8};
+use crate::sheet::{BLACK, Mark, RectMm, Sheet, Srgb8};
 use crate::template::{Captions, cover};
+use scaleproof_core::geometry::Point2;
 use scaleproof_surface::pattern::world_aligned::Side;
 
 const LINE_MM: f64 = 0.15;
@@ -78,14 +79,14 @@ fn panel(wrap: &Wrap, side: Side) -> Option<&Panel> {
 
 fn small<'a>(
     panel: &Panel,
-    by: Point,
+    by: Point2,
     scale: f64,
-    letters: impl Iterator<Item = (&'a str, Point, Point)>,
+    letters: impl Iterator<Item = (&'a str, Point2, Point2)>,
 ) -> Vec<Mark> {
     let (low, high) = panel.region.bounds().unwrap_or_default();
-    let to_page = |p: Point| (scale * p[0] + by[0], scale * p[1] + by[1]);
-    let outline = |outline: &Contour| outline.iter().map(|p| to_page(*p).into()).collect();
-    let outlines: Vec<Vec<PointMm>> = panel.region.contours().map(outline).collect();
+    let to_page = |p: Point2| [0, 1].map(|axis| scale * p[axis] + by[axis]);
+    let outline = |outline: &Contour| outline.iter().map(|p| to_page(*p)).collect();
+    let outlines: Vec<Vec<Point2>> = panel.region.contours().map(outline).collect();
     let area = Mark::Area {
         outlines: outlines.clone(),
         colour: GREY,
@@ -95,10 +96,10 @@ fn small<'a>(
     let edges = panel.edges.iter();
     marks.extend(edges.map(|[a, b]| Mark::line(to_page(*a), to_page(*b), 0.5 * LINE_MM)));
     for (letter, seam, at) in letters {
-        let (x, y) = to_page(seam);
+        let [x, y] = to_page(seam);
         let (dx, dy) = (at[0] - seam[0], at[1] - seam[1]);
         let away = 0.8 * LETTER_MM / dx.hypot(dy).max(f64::MIN_POSITIVE);
-        let middle = (x + away * dx, y + away * dy);
+        let middle = [x + away * dx, y + away * dy];
         marks.push(Mark::centred(middle, (LETTER_MM, f64::INFINITY), letter));
     }
     let size = (4.0, 0.8 * scale * (high[0] - low[0]));

@@ -5,11 +5,12 @@ use std::sync::Arc;
 use super::panel::Face;
 use super::region::{Contour, Region};
 use super::seams::{CLEAR_MM, SeamMark, seams};
-use super::{BLEED_MM, PaintedSurface, Panel, Point, SpreadPanel, Wrap, WrapError, WrapRequest, cover};
+use super::{BLEED_MM, PaintedSurface, Panel, SpreadPanel, Wrap, WrapError, WrapRequest, cover};
 use crate::raster::{self, FlatPaint, FlatTriangle, PixelGrid, Pose};
-use crate::sheet::{BLACK, Mark, PointMm, Sheet};
+use crate::sheet::{BLACK, Mark, Sheet};
 use crate::template::{Captions, PatternStamp, SheetPlan, cell_mm, check_scale, furniture};
 use crate::{SheetError, printer};
+use scaleproof_core::geometry::Point2;
 use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::world_aligned::Side;
 use scaleproof_surface::texture::{Texture, Tile};
@@ -76,7 +77,7 @@ pub fn wrap(mesh: &Mesh, materials: &[usize], texture: &Texture, request: &WrapR
         let pixels = FlatPaint::new(mesh, texture, &triangles, &panel.region, BLEED_MM);
         let grid = PixelGrid::new(layout.frame.page.height_mm, request.dpi);
         let ink = |plan: &SheetPlan| match &cells {
-            Some(cells) => Some(cells.stamp.on(plan, (-corner[0], corner[1]))),
+            Some(cells) => Some(cells.stamp.on(plan, [-corner[0], corner[1]])),
             None => {
                 let pose = Pose::moved(piece.moved_by_mm(plan));
                 let (image, area) = pixels.image(&pose, grid, BLEED_MM, plan.printed)?;
@@ -156,9 +157,11 @@ impl Drawing<'_> {
 }
 
 /// Returns the cutter path on a sheet: the part of the region's border that the sheet shows.
-pub fn cutter_path(region: &Region, by: Point, plan: &SheetPlan) -> Mark {
+pub fn cutter_path(region: &Region, by: Point2, plan: &SheetPlan) -> Mark {
     let sheet = plan.printed.outline();
-    let sheet = Region::union(vec![sheet.iter().map(|p| [p.x_mm - by[0], p.y_mm - by[1]]).collect()]);
+    let sheet = Region::union(vec![
+        sheet.iter().map(|p| [0, 1].map(|axis| p[axis] - by[axis])).collect(),
+    ]);
     Mark::Cut {
         outlines: moved(region.and(&sheet).contours(), by),
         is_piece: true,
@@ -166,7 +169,7 @@ pub fn cutter_path(region: &Region, by: Point, plan: &SheetPlan) -> Mark {
 }
 
 /// Draws the line around a region, outside of it.
-pub fn cut_line(region: &Region, by: Point) -> Vec<Mark> {
+pub fn cut_line(region: &Region, by: Point2) -> Vec<Mark> {
     let around = moved(region.grown(CUT_GAP_MM + 0.5 * CUT_LINE_MM).contours(), by);
     let lines = around
         .iter()
@@ -175,31 +178,31 @@ pub fn cut_line(region: &Region, by: Point) -> Vec<Mark> {
 }
 
 /// Converts a point of a plane to the page.
-fn place(p: Point, by: Point) -> PointMm {
-    PointMm::new(p[0] + by[0], p[1] + by[1])
+fn place(p: Point2, by: Point2) -> Point2 {
+    [p[0] + by[0], p[1] + by[1]]
 }
 
 /// Converts outlines of a plane to the page.
-pub fn moved<'a>(outlines: impl Iterator<Item = &'a Contour>, by: Point) -> Vec<Vec<PointMm>> {
+pub fn moved<'a>(outlines: impl Iterator<Item = &'a Contour>, by: Point2) -> Vec<Vec<Point2>> {
     outlines
         .map(|outline| outline.iter().map(|p| place(*p, by)).collect())
         .collect()
 }
 
 /// Draws a seam's letter and the line from it to the seam, on the sheet that shows the letter once all are glued.
-fn letter(mark: &SeamMark, by: Point, plan: &SheetPlan) -> Vec<Mark> {
+fn letter(mark: &SeamMark, by: Point2, plan: &SheetPlan) -> Vec<Mark> {
     let (at, trim) = (place(mark.at, by), plan.trim);
-    let is_here = (trim.left_mm..trim.right_mm).contains(&at.x_mm) && (trim.bottom_mm..trim.top_mm).contains(&at.y_mm);
+    let is_here = (trim.left_mm..trim.right_mm).contains(&at[0]) && (trim.bottom_mm..trim.top_mm).contains(&at[1]);
     if !is_here {
         return Vec::new();
     }
     let seam = place(mark.seam, by);
-    let (dx, dy) = (at.x_mm - seam.x_mm, at.y_mm - seam.y_mm);
+    let (dx, dy) = (at[0] - seam[0], at[1] - seam[1]);
     let length = dx.hypot(dy).max(f64::MIN_POSITIVE);
-    let along = |mm: f64| PointMm::new(seam.x_mm + mm / length * dx, seam.y_mm + mm / length * dy);
+    let along = |mm: f64| [seam[0] + mm / length * dx, seam[1] + mm / length * dy];
     let leader = Mark::line(along(BLEED_MM + 0.2), along(length - 2.0), LEADER_MM);
     let size = (LETTER_MM, f64::INFINITY);
-    let text = Mark::centred((at.x_mm, at.y_mm), size, mark.letter.as_str());
+    let text = Mark::centred(at, size, mark.letter.as_str());
     if length - 2.0 > BLEED_MM + 0.5 {
         vec![leader, text]
     } else {

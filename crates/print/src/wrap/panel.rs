@@ -4,9 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Point3;
 
-use super::region::{Point, Region};
+use super::region::Region;
 use crate::buckets::{Buckets, bounds};
 use scaleproof_core::geometry;
+use scaleproof_core::geometry::Point2;
 use scaleproof_surface::mesh::{Mesh, Triangle, doubled_area};
 use scaleproof_surface::pattern::world_aligned::Side;
 
@@ -23,7 +24,7 @@ pub struct Panel {
     /// Union of all painted triangles of this side in its plane (u, v), mm; see [`Side`].
     pub region: Region,
     /// Visible edges inside the region that are bent or border another material: (u, v), mm.
-    pub edges: Vec<[Point; 2]>,
+    pub edges: Vec<[Point2; 2]>,
     pub surface_mm2: f64,
     /// Area of the surface after projection into the side's plane, every layer counted.
     pub projected_mm2: f64,
@@ -165,7 +166,7 @@ struct Cover<'a> {
 
 impl<'a> Cover<'a> {
     fn new(side: Side, faces: &'a [&'a Face]) -> Self {
-        let flat: Vec<[Point; 3]> = faces.iter().map(|f| f.corners.map(|p| side.project(&p))).collect();
+        let flat: Vec<[Point2; 3]> = faces.iter().map(|f| f.corners.map(|p| side.project(&p))).collect();
         let (low, high) = bounds(flat.iter().flatten(), 0.0);
         let boxes = flat.iter().map(|corners| bounds(corners, 0.0));
         Self {
@@ -176,13 +177,13 @@ impl<'a> Cover<'a> {
     }
 
     /// Returns the height of the outermost face over a point; `None` beside all faces.
-    fn outermost(&self, p: Point) -> Option<f64> {
+    fn outermost(&self, p: Point2) -> Option<f64> {
         let near = self.buckets.at(p)?.iter();
         let over = near.filter_map(|i| self.height(self.faces[*i as usize], p));
         over.reduce(f64::max)
     }
 
-    fn height(&self, face: &Face, p: Point) -> Option<f64> {
+    fn height(&self, face: &Face, p: Point2) -> Option<f64> {
         let [a, b, c] = face.corners.map(|corner| self.side.project(&corner));
         let [whole, at_b, at_c] = [[b, c], [p, c], [b, p]].map(|[b, c]| geometry::doubled_area(a, b, c));
         let (second, third) = (at_b / whole, at_c / whole);

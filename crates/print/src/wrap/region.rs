@@ -7,11 +7,10 @@ use i_overlay::mesh::float::outline::offset::OutlineOffset;
 use i_overlay::mesh::float::style::{LineJoin, OutlineStyle};
 
 use crate::sheet::sides;
-use scaleproof_core::geometry::{self, to_segment};
+use scaleproof_core::geometry::{self, Point2, to_segment};
 
-/// Point in a plane, mm.
-pub type Point = [f64; 2];
-pub type Contour = Vec<Point>;
+/// Closed outline in a plane, mm.
+pub type Contour = Vec<Point2>;
 
 /// Length of a segment of a rounded corner, as a share of its radius.
 const ROUNDNESS: f64 = 0.4;
@@ -54,13 +53,13 @@ impl Region {
     }
 
     /// Maps the region by a rigid motion of the plane, which keeps the direction of outlines.
-    pub fn moved(&self, to: impl Fn(Point) -> Point) -> Self {
+    pub fn moved(&self, to: impl Fn(Point2) -> Point2) -> Self {
         let outline = |outline: &Contour| outline.iter().map(|p| to(*p)).collect();
         Self(self.0.iter().map(|shape| shape.iter().map(outline).collect()).collect())
     }
 
     pub fn border_mm(&self) -> f64 {
-        self.edges().map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1])).sum()
+        self.edges().map(|(a, b)| geometry::distance(*b, *a)).sum()
     }
 
     /// Returns the region grown by all that is nearer to it than `by_mm`.
@@ -81,14 +80,14 @@ impl Region {
     }
 
     /// Returns the corners of its bounding box: lowest, highest; `None` for an empty region.
-    pub fn bounds(&self) -> Option<(Point, Point)> {
+    pub fn bounds(&self) -> Option<(Point2, Point2)> {
         let (low, high) = corners(self.contours().flatten());
         low[0].is_finite().then_some((low, high))
     }
 
-    pub fn contains(&self, p: Point) -> bool {
+    pub fn contains(&self, p: Point2) -> bool {
         // Winding number: each edge that crosses the ray to the right counts up or down.
-        let crossing = |(a, b): (&Point, &Point)| {
+        let crossing = |(a, b): (&Point2, &Point2)| {
             let side = geometry::doubled_area(*a, *b, p);
             match (a[1] <= p[1], b[1] <= p[1]) {
                 (true, false) if side > 0.0 => 1,
@@ -100,7 +99,7 @@ impl Region {
     }
 
     /// Returns the distance of a point from the region's border; negative inside.
-    pub fn distance_mm(&self, p: Point) -> f64 {
+    pub fn distance_mm(&self, p: Point2) -> f64 {
         let nearest = self
             .edges()
             .map(|(a, b)| to_segment(p, [*a, *b]))
@@ -109,23 +108,23 @@ impl Region {
     }
 
     /// Returns approximately the inner point farthest from the border, for a name: the best of a grid over the bounding box.
-    pub fn innermost(&self) -> Point {
+    pub fn innermost(&self) -> Point2 {
         const STEPS: usize = 12;
         let (low, high) = self.bounds().unwrap_or_default();
         let at = |axis: usize, step: usize| low[axis] + (step as f64 + 0.5) / STEPS as f64 * (high[axis] - low[axis]);
         let places = (0..STEPS * STEPS).map(|i| [at(0, i % STEPS), at(1, i / STEPS)]);
-        let inside = |p: &Point| self.distance_mm(*p);
+        let inside = |p: &Point2| self.distance_mm(*p);
         places.min_by(|a, b| inside(a).total_cmp(&inside(b))).unwrap_or(low)
     }
 
-    pub fn edges(&self) -> impl Iterator<Item = (&Point, &Point)> {
+    pub fn edges(&self) -> impl Iterator<Item = (&Point2, &Point2)> {
         self.contours().flat_map(|c| sides(c))
     }
 }
 
 /// Returns the corners of the bounding box of points: lowest, highest.
-pub fn corners<'a>(places: impl IntoIterator<Item = &'a Point>) -> (Point, Point) {
-    let wider = |(low, high): (Point, Point), p: &Point| {
+pub fn corners<'a>(places: impl IntoIterator<Item = &'a Point2>) -> (Point2, Point2) {
+    let wider = |(low, high): (Point2, Point2), p: &Point2| {
         (
             [low[0].min(p[0]), low[1].min(p[1])],
             [high[0].max(p[0]), high[1].max(p[1])],
@@ -137,6 +136,6 @@ pub fn corners<'a>(places: impl IntoIterator<Item = &'a Point>) -> (Point, Point
 }
 
 /// Returns twice the area inside an outline; negative if it runs clockwise.
-pub fn doubled_area(outline: &[Point]) -> f64 {
+pub fn doubled_area(outline: &[Point2]) -> f64 {
     sides(outline).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum()
 }

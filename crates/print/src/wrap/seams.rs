@@ -5,9 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::{Point3, Vector3};
 
 use super::panel::{PaintedSurface, Panel, corner_of};
-use super::region::{Point, Region};
+use super::region::Region;
 use crate::template::letters;
-use scaleproof_core::geometry::distance;
+use scaleproof_core::geometry::{Point2, distance};
 use scaleproof_surface::pattern::world_aligned::Side;
 
 /// Minimum length of a lettered seam; shorter ones can be matched without a letter.
@@ -20,10 +20,10 @@ const FARTHEST_MM: f64 = 4.0;
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeamMark {
     pub letter: String,
-    /// Point of the seam on the panel's border.
-    pub seam: Point,
+    /// Point2 of the seam on the panel's border.
+    pub seam: Point2,
     /// Centre of the letter.
-    pub at: Point,
+    pub at: Point2,
 }
 
 /// Letters beside each panel, and the length of the seams without room for theirs on both panels.
@@ -118,12 +118,12 @@ fn connected(edges: &BTreeMap<[usize; 2], [Point3<f64>; 2]>) -> Vec<Vec<[Point3<
 
 /// Returns a point of the seam on the panel's border, and beside it a position for the letter without ink: as near as possible to the middle of the
 /// seam.
-fn place(seam: &Seam, side: Side, region: &Region, grown: &Region, taken: &[SeamMark]) -> Option<(Point, Point)> {
+fn place(seam: &Seam, side: Side, region: &Region, grown: &Region, taken: &[SeamMark]) -> Option<(Point2, Point2)> {
     let sum = seam.edges.iter().fold(Vector3::zeros(), |sum, [a, b]| {
         sum + 0.5 * (a.coords + b.coords) * (b - a).norm()
     });
     let middle = side.project(&Point3::from(sum / seam.length_mm));
-    let mut best: Option<(f64, Point, Point)> = None;
+    let mut best: Option<(f64, Point2, Point2)> = None;
     for ends in &seam.edges {
         let [a, b] = ends.map(|p| side.project(&p));
         let length = distance(a, b);
@@ -147,7 +147,7 @@ fn place(seam: &Seam, side: Side, region: &Region, grown: &Region, taken: &[Seam
     best.map(|(_, p, at)| (p, at))
 }
 
-fn free(p: Point, direction: Point, grown: &Region, taken: &[SeamMark]) -> Option<Point> {
+fn free(p: Point2, direction: Point2, grown: &Region, taken: &[SeamMark]) -> Option<Point2> {
     let outwards = (0..=12).map(|step| f64::from(step) / 12.0 * (CLEAR_MM + FARTHEST_MM));
     let mut places = outwards.map(|mm| [p[0] + mm * direction[0], p[1] + mm * direction[1]]);
     places.find(|at| {

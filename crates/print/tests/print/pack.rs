@@ -10,12 +10,12 @@ proptest! {
         let area = RectMm::new(10.0, 20.0, 90.0, 110.0);
         let spots = tight(&sizes, area).unwrap();
         for (i, (spot, size)) in spots.iter().zip(&sizes).enumerate() {
-            prop_assert!(spot.at.x_mm >= 10.0 && spot.at.x_mm + size.0 <= 90.0 + 1e-9);
-            prop_assert!(spot.at.y_mm >= 20.0 - 1e-9 && spot.at.y_mm + size.1 <= 110.0 + 1e-9);
+            prop_assert!(spot.at[0] >= 10.0 && spot.at[0] + size.0 <= 90.0 + 1e-9);
+            prop_assert!(spot.at[1] >= 20.0 - 1e-9 && spot.at[1] + size.1 <= 110.0 + 1e-9);
             for (other, other_size) in spots.iter().zip(&sizes).take(i).filter(|(o, _)| o.page == spot.page) {
                 let apart = |a: f64, a_size: f64, b: f64, b_size: f64| a + a_size <= b + 1e-9 || b + b_size <= a + 1e-9;
-                prop_assert!(apart(spot.at.x_mm, size.0, other.at.x_mm, other_size.0)
-                    || apart(spot.at.y_mm, size.1, other.at.y_mm, other_size.1));
+                prop_assert!(apart(spot.at[0], size.0, other.at[0], other_size.0)
+                    || apart(spot.at[1], size.1, other.at[1], other_size.1));
             }
         }
     }

@@ -1,11 +1,17 @@
 //! Colour of each point of a model's surface: a world-aligned pattern, images on the mesh's texture coordinates, texels of each triangle, or patches
 //! placed over another texture. Printing, rendering and previews of a painted surface all take it from here.
 
+mod error;
 mod face_texels;
 mod mapped;
 mod patches;
+mod point;
 mod same_shape;
 mod tile;
+
+pub use point::SurfacePoint;
+
+pub use error::TextureError;
 
 pub use face_texels::FaceTexels;
 pub use mapped::{Mapped, MappedImages};
@@ -13,75 +19,7 @@ pub use patches::PlacedPatch;
 pub use same_shape::check_same_shape;
 pub use tile::{SidePatterns, Tile};
 
-use std::path::PathBuf;
-
-use nalgebra::Point3;
-
 use crate::mesh::Mesh;
-use crate::pattern::picture::PictureError;
-use scaleproof_core::files::FileError;
-
-/// Reason why there is no texture. Each variant says what to change.
-#[derive(Debug, thiserror::Error)]
-pub enum TextureError {
-    #[error(transparent)]
-    File(#[from] FileError),
-    #[error(transparent)]
-    Image(#[from] PictureError),
-    #[error("the texture {path} cannot be used: {reason}", path = path.display())]
-    Unusable { path: PathBuf, reason: String },
-    #[error("the mesh's material '{material}' cannot be painted: {reason}")]
-    Material { material: String, reason: String },
-    #[error("no material of the mesh's paint has an image; give an image, or a mesh with images")]
-    NoImages,
-    #[error(
-        "{}, so an image cannot be laid on; unwrap the mesh, or paint other faces",
-        TextureError::coverage(missing, all)
-    )]
-    NoCoordinates { missing: usize, all: usize },
-    #[error("a texture coordinate of the mesh is {value}, which is damage; unwrap the mesh again")]
-    BadCoordinate { value: f64 },
-    #[error(
-        "the textured mesh has {textured} triangles and the mesh {given}; give the mesh that the texture was made for"
-    )]
-    OtherCount { textured: usize, given: usize },
-    #[error(
-        "triangle {triangle} of the textured mesh has another shape than in the mesh; give the mesh that the texture was made for"
-    )]
-    OtherShape { triangle: usize },
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SurfacePoint {
-    /// Index of the triangle in the mesh.
-    pub triangle: usize,
-    /// Shares of its corners, which add up to 1.
-    pub weights: [f64; 3],
-}
-
-impl SurfacePoint {
-    /// Returns the point with these shares of the corners of a part of a triangle; `part` are the corners' weights in the whole triangle.
-    pub fn in_part(triangle: usize, part: &[[f64; 3]; 3], shares: [f64; 3]) -> Self {
-        let weights = std::array::from_fn(|k| (0..3).map(|i| shares[i] * part[i][k]).sum());
-        Self { triangle, weights }
-    }
-
-    /// Returns its weights on the triangle itself: a point beside it takes the colour at its border.
-    fn within(&self) -> [f64; 3] {
-        let weights = self.weights.map(|weight| weight.max(0.0));
-        let sum: f64 = weights.iter().sum();
-        weights.map(|weight| weight / sum)
-    }
-
-    /// Returns the place in the model frame, mm.
-    pub fn place_mm(&self, mesh: &Mesh) -> Point3<f64> {
-        let corners = mesh.triangle_mm(self.triangle);
-        let sum = (0..3).fold(nalgebra::Vector3::zeros(), |sum, i| {
-            sum + self.weights[i] * corners[i].coords
-        });
-        Point3::from(sum)
-    }
-}
 
 /// The colours of a surface, 8-bit sRGB.
 #[derive(Debug, Clone)]

@@ -89,9 +89,10 @@ type Facet<'a> = (&'a Placed<'a>, &'a PlaneTriangle);
 fn by_band<'a>(faces: &'a [Placed], height: usize) -> Vec<Vec<Facet<'a>>> {
     let mut bands = vec![Vec::new(); height.div_ceil(BAND)];
     for (face, flat) in faces.iter().filter_map(|face| Some((face, face.flat.as_ref()?))) {
-        let rows = flat.cells(1, 0..height);
+        let rows = flat.cells(1, 0..height as i64);
         if !rows.is_empty() {
-            (rows.start / BAND..=(rows.end - 1) / BAND).for_each(|band| bands[band].push((face, flat)));
+            let band = |row: i64| row as usize / BAND;
+            (band(rows.start)..=band(rows.end - 1)).for_each(|band| bands[band].push((face, flat)));
         }
     }
     bands
@@ -137,9 +138,10 @@ impl Band {
     /// Visits every texel that a face overlaps, face by face, with the texel's top left corner.
     fn each_texel(&mut self, faces: &[Facet], mut visit: impl FnMut(&mut Texel, &Placed, &PlaneTriangle, [f64; 2])) {
         for (face, flat) in faces {
-            for y in flat.cells(1, self.rows.clone()) {
-                for x in flat.cells_of_row(y, 0..self.width) {
-                    let texel = &mut self.texels[(y - self.rows.start) * self.width + x];
+            let (width, rows) = (self.width as i64, self.rows.start as i64..self.rows.end as i64);
+            for y in flat.cells(1, rows.clone()) {
+                for x in flat.cells_of_row(y, 0..width) {
+                    let texel = &mut self.texels[((y - rows.start) * width + x) as usize];
                     visit(texel, face, flat, [x as f64, y as f64]);
                 }
             }

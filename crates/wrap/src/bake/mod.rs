@@ -3,6 +3,9 @@
 //! The mesh's own coordinates are kept if possible ([`own`]), else its paint is unwrapped and packed ([`packing`]). Each texel is the mean of the
 //! colours on its place of the surface (`fill.rs`). [`write_obj`] and [`write_glb`] write the mesh with these coordinates.
 
+mod baked;
+mod error;
+mod face;
 mod fill;
 mod glb;
 mod model;
@@ -10,6 +13,14 @@ mod obj;
 mod own;
 mod packing;
 mod triangles;
+
+pub use baked::Baked;
+
+pub use error::BakeError;
+pub(crate) use error::SIDE_PX;
+
+pub use face::BakedFace;
+pub(crate) use face::{FlatChart, alone};
 
 pub use glb::write as write_glb;
 pub use model::TexturedModel;
@@ -20,65 +31,10 @@ pub use triangles::TriangleImage;
 use image::RgbImage;
 use nalgebra::Matrix3;
 
-use crate::unwrap::{self, UnwrapError, UnwrapRequest, WHOLE};
-use scaleproof_core::geometry;
+use crate::unwrap;
+use crate::unwrap::UnwrapRequest;
 use scaleproof_surface::mesh::{Mesh, doubled_area};
 use scaleproof_surface::texture::{SurfacePoint, Texture};
-
-/// Sides of the image in pixels: a smaller one shows no pattern, and a larger one no engine loads.
-const SIDE_PX: std::ops::RangeInclusive<u32> = 64..=8192;
-
-/// Reason why there is no image.
-#[derive(Debug, thiserror::Error)]
-pub enum BakeError {
-    #[error("the sides of a texture's image are 64 to 8192 px, not {width} × {height}")]
-    BadSize { width: u32, height: u32 },
-    #[error("the mesh has no triangles of the paint's materials")]
-    NoPaint,
-    #[error(
-        "the paint has {charts} pieces, which do not fit into an image of {width} × {height} px; give a larger size"
-    )]
-    TooSmall { charts: usize, width: u32, height: u32 },
-    #[error(transparent)]
-    Unwrap(#[from] UnwrapError),
-}
-
-/// Triangle, or a part of one, in the image.
-#[derive(Debug, Clone, PartialEq)]
-pub struct BakedFace {
-    /// Index of the triangle in the mesh.
-    pub triangle: usize,
-    /// Barycentric coordinates of each corner in that triangle.
-    pub weights: [[f64; 3]; 3],
-    /// Texture coordinates: u to the right, v up, the image fills the unit square.
-    pub uv: [[f64; 2]; 3],
-}
-
-impl BakedFace {
-    /// Returns its area in the image, in the unit of its coordinates.
-    fn texels(&self) -> f64 {
-        let [a, b, c] = self.uv;
-        0.5 * geometry::doubled_area(a, b, c).abs()
-    }
-
-    fn at(&self, shares: [f64; 3]) -> SurfacePoint {
-        SurfacePoint::in_part(self.triangle, &self.weights, shares)
-    }
-}
-
-/// The image and the place of each part of the paint in it.
-#[derive(Debug, Clone)]
-pub struct Baked {
-    pub image: RgbImage,
-    /// Faces, sorted by triangle.
-    pub faces: Vec<BakedFace>,
-    /// Number of connected parts of the paint in the image.
-    pub charts: usize,
-    /// Reason why the mesh's own coordinates are not kept.
-    pub unwrapped: Option<NotKept>,
-    /// Side of a texel of mean area on the model.
-    pub texel_mm: f64,
-}
 
 /// Mesh, texture and size of a baked image.
 pub struct BakeRequest<'a> {
@@ -140,9 +96,6 @@ fn finished(mesh: &Mesh, image: RgbImage, charts: Vec<Vec<BakedFace>>, unwrapped
     }
 }
 
-/// Flattened part of the paint: each face with its corners in mm.
-type FlatChart = Vec<BakedFace>;
-
 /// Flattens the paint into pieces. A triangle in no piece, since it has no area or is duplicated, becomes a piece of its own.
 fn flattened(mesh: &Mesh, materials: &[usize], paint: &[usize]) -> Result<Vec<FlatChart>, BakeError> {
     let request = UnwrapRequest {
@@ -175,19 +128,4 @@ fn flattened(mesh: &Mesh, materials: &[usize], paint: &[usize]) -> Result<Vec<Fl
     let missing = paint.iter().filter(|t| !is_there[**t]);
     charts.extend(missing.map(|t| vec![alone(mesh, *t)]));
     Ok(charts)
-}
-
-/// Lays a triangle flat at true size.
-fn alone(mesh: &Mesh, triangle: usize) -> BakedFace {
-    let [a, b, c] = mesh.triangle_mm(triangle);
-    let along = b - a;
-    let x = along.try_normalize(1e-12).unwrap_or_default();
-    let to = c - a;
-    let right = to.dot(&x);
-    let up = (to - right * x).norm();
-    BakedFace {
-        triangle,
-        weights: WHOLE,
-        uv: [[0.0; 2], [along.norm(), 0.0], [right, up]],
-    }
 }

@@ -6,9 +6,10 @@ use image::{Rgb, RgbImage};
 use nalgebra::{Point3, Vector3};
 
 use super::flat::Piece;
-use scaleproof_core::geometry::{PlaneTriangle, view_axes};
+use scaleproof_core::geometry::{Point2, view_axes};
 use scaleproof_print::paint::disc;
 use scaleproof_print::sheet::{Mark, RectMm, WHITE};
+use scaleproof_surface::zbuffer::ZBuffer;
 
 /// Directions of the two views: azimuth from the front, elevation.
 const VIEWS_DEG: [(f64, f64); 2] = [(40.0, 32.0), (220.0, 32.0)];
@@ -62,7 +63,7 @@ pub fn views(pieces: &[Piece], colours: Option<Colours>, room: RectMm) -> Vec<Ma
                 && (spot.room_mm >= 1.2 || spot.room_mm > beside || (spot.room_mm == beside && view == 0))
             {
                 let size_mm = (1.5 * spot.room_mm).clamp(LEAST_NUMBER_MM, NUMBER_MM);
-                let at = (spot.x_mm, spot.y_mm);
+                let at = spot.at_mm;
                 // White below a number, so that it is legible on any colour.
                 let below = colours.map(|_| Mark::Area {
                     outlines: vec![disc(at, 0.8 * size_mm)],
@@ -99,15 +100,13 @@ fn drawn(pieces: &[Piece], colours: Option<Colours>, room: RectMm) -> [Option<Vi
 /// Position of a number and the free room around it; 0 if the piece is not visible.
 #[derive(Debug, Clone, Copy, Default)]
 struct NumberSpot {
-    x_mm: f64,
-    y_mm: f64,
+    at_mm: Point2,
     room_mm: f64,
 }
 
+/// Piece at a pixel, and its colour there.
 #[derive(Debug, Clone, Copy)]
 struct Pixel {
-    /// Depth towards the viewer.
-    depth: f64,
     /// Twice the index of the piece, plus 1 for its back.
     id: u32,
     rgb: [u8; 3],
@@ -150,18 +149,7 @@ impl View {
         let top = room.top_mm - 0.5 * (room.height_mm() - height_mm);
         let pixel_mm = 1.0 / density;
         let (right, bottom) = (left + width as f64 * pixel_mm, top - height as f64 * pixel_mm);
-        let nothing = Pixel {
-            depth: f64::NEG_INFINITY,
-            id: NOTHING,
-            rgb: [255; 3],
-        };
-        let mut view = Self {
-            area: RectMm::new(left, bottom, right, top),
-            width,
-            height,
-            pixels: vec![nothing; width * height],
-            spots: vec![NumberSpot::default(); pieces.len()],
-        };
+        let mut nearest = ZBuffer::new(0..width as i64, 0..height as i64, 0.5);
         let to_pixel = |p: Point3<f64>| {
             let [x, y, out] = project(&p);
             [(x - low[0]) * scale * density, (high[1] - y) * scale * density, out]
@@ -177,30 +165,35 @@ impl View {
                     None => TINTS[i % TINTS.len()],
                 };
                 let corners = corners.map(|p| to_pixel(p + by));
-                view.triangle(corners, 2 * i as u32 + u32::from(is_back), |shares| {
-                    colour(shares).map(|v| (f32::from(v) * shade) as u8)
-                });
+                let [a, b, c] = corners.map(|[.., out]| out);
+                let id = 2 * i as u32 + u32::from(is_back);
+                nearest.draw(
+                    corners.map(|[x, y, _]| [x, y]),
+                    |[s, t, u]| -(s * a + t * b + u * c),
+                    |shares| Pixel {
+                        id,
+                        rgb: colour(shares).map(|v| (f32::from(v) * shade) as u8),
+                    },
+                );
             }
         }
+        let nothing = Pixel {
+            id: NOTHING,
+            rgb: [255; 3],
+        };
+        let shown = nearest
+            .pixels()
+            .iter()
+            .map(|pixel| pixel.map_or(nothing, |nearest| nearest.item));
+        let mut view = Self {
+            area: RectMm::new(left, bottom, right, top),
+            width,
+            height,
+            pixels: shown.collect(),
+            spots: vec![NumberSpot::default(); pieces.len()],
+        };
         view.find_spots(pixel_mm);
         Some(view)
-    }
-
-    /// Draws a triangle in the pixels where it is nearest so far.
-    fn triangle(&mut self, corners: [[f64; 3]; 3], id: u32, colour: impl Fn([f64; 3]) -> [u8; 3]) {
-        let Some(flat) = PlaneTriangle::new(corners.map(|[x, y, _]| [x, y])) else {
-            return;
-        };
-        let [a, b, c] = corners.map(|[.., out]| out);
-        flat.draw([self.width, self.height], 0.5, |column, row, shares| {
-            let [s, t, u] = shares;
-            let depth = s * a + t * b + u * c;
-            let pixel = &mut self.pixels[row * self.width + column];
-            if depth > pixel.depth {
-                let rgb = colour(shares);
-                *pixel = Pixel { depth, id, rgb };
-            }
-        });
     }
 
     /// Finds, for each piece, the pixel of its front that is farthest from anything else.
@@ -213,8 +206,10 @@ impl View {
             if room_mm > spot.room_mm {
                 let (column, row) = ((at % self.width) as f64, (at / self.width) as f64);
                 *spot = NumberSpot {
-                    x_mm: self.area.left_mm + (column + 0.5) * pixel_mm,
-                    y_mm: self.area.top_mm - (row + 0.5) * pixel_mm,
+                    at_mm: [
+                        self.area.left_mm + (column + 0.5) * pixel_mm,
+                        self.area.top_mm - (row + 0.5) * pixel_mm,
+                    ],
                     room_mm,
                 };
             }

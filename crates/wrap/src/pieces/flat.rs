@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use nalgebra::{Point3, Vector3};
 
 use crate::unwrap::{Chart, Unwrapped};
-use scaleproof_core::geometry::{convex_hull, distance, extent};
+use scaleproof_core::geometry::{Point2, convex_hull, distance, extent};
 use scaleproof_print::raster::FlatTriangle;
 use scaleproof_print::sheet::sides;
-use scaleproof_print::wrap::{Point, Region};
+use scaleproof_print::wrap::Region;
 use scaleproof_surface::mesh::doubled_area;
 
 /// Bend of an edge above which it is drawn.
@@ -22,9 +22,9 @@ pub struct Border {
     /// Indices of its ends among the points of all pieces, ascending.
     pub ends: [usize; 2],
     /// Its ends on paper, mm.
-    pub flat: [Point; 2],
+    pub flat: [Point2; 2],
     /// Unit vector on paper, away from the piece.
-    pub outward: Point,
+    pub outward: Point2,
 }
 
 #[derive(Debug, Clone)]
@@ -35,13 +35,13 @@ pub struct Piece {
     pub region: Region,
     pub borders: Vec<Border>,
     /// Edges within the piece at which the model bends.
-    pub folds: Vec<[Point; 2]>,
+    pub folds: Vec<[Point2; 2]>,
     pub surface_mm2: f64,
     /// Mean normal; `middle` is the centre, both in the model frame.
     pub normal: Vector3<f64>,
     pub middle: Point3<f64>,
     /// Unit vector on paper that points up on the model, or to its front if the piece faces up.
-    pub up: Point,
+    pub up: Point2,
 }
 
 impl Piece {
@@ -52,7 +52,7 @@ impl Piece {
 
     fn new(chart: &Chart, points: &[Point3<f64>]) -> Self {
         let turn = along_x(chart);
-        let turned = |p: Point| [turn[0] * p[0] + turn[1] * p[1], turn[0] * p[1] - turn[1] * p[0]];
+        let turned = |p: Point2| [turn[0] * p[0] + turn[1] * p[1], turn[0] * p[1] - turn[1] * p[0]];
         let corners: Vec<_> = chart.faces.iter().map(|f| f.corners.map(|c| points[c])).collect();
         let flat = chart.faces.iter().map(|face| FlatTriangle {
             flat_mm: face.flat_mm.map(turned),
@@ -78,7 +78,7 @@ impl Piece {
 }
 
 /// Returns the direction of the narrowest bounding box's long side: one of the box's sides lies on an edge of the convex hull.
-fn along_x(chart: &Chart) -> Point {
+fn along_x(chart: &Chart) -> Point2 {
     let hull = convex_hull(chart.faces.iter().flat_map(|f| f.flat_mm).collect());
     let mut best = (f64::INFINITY, [1.0, 0.0]);
     for (a, b) in sides(&hull) {
@@ -100,9 +100,9 @@ fn along_x(chart: &Chart) -> Point {
 }
 
 /// Returns the borders, and the inner edges that are bent.
-fn edges(chart: &Chart, corners: &[[Point3<f64>; 3]], triangles: &[FlatTriangle]) -> (Vec<Border>, Vec<[Point; 2]>) {
+fn edges(chart: &Chart, corners: &[[Point3<f64>; 3]], triangles: &[FlatTriangle]) -> (Vec<Border>, Vec<[Point2; 2]>) {
     // For each edge, its sides: the face, and the ends on paper in the order of the edge's key.
-    let mut sides = BTreeMap::<[usize; 2], Vec<(usize, [Point; 2])>>::new();
+    let mut sides = BTreeMap::<[usize; 2], Vec<(usize, [Point2; 2])>>::new();
     for (f, face) in chart.faces.iter().enumerate() {
         for i in 0..3 {
             let (a, b) = (face.corners[i], face.corners[(i + 1) % 3]);
@@ -114,7 +114,7 @@ fn edges(chart: &Chart, corners: &[[Point3<f64>; 3]], triangles: &[FlatTriangle]
     let (mut borders, mut folds) = (Vec::new(), Vec::new());
     for (ends, mut here) in sides {
         while let Some((face, flat)) = here.pop() {
-            let is_same = |other: &[Point; 2]| flat.iter().zip(other).all(|(p, q)| near(*p, *q));
+            let is_same = |other: &[Point2; 2]| flat.iter().zip(other).all(|(p, q)| near(*p, *q));
             let beside = here.iter().position(|(_, other)| is_same(other));
             match beside.map(|i| here.swap_remove(i)) {
                 Some((other, _)) => {
@@ -135,11 +135,11 @@ fn edges(chart: &Chart, corners: &[[Point3<f64>; 3]], triangles: &[FlatTriangle]
 }
 
 /// Returns true if two points on paper coincide.
-pub fn near(p: Point, q: Point) -> bool {
+pub fn near(p: Point2, q: Point2) -> bool {
     distance(p, q) < SAME_MM
 }
 
-fn outward([a, b]: &[Point; 2], face: &[Point; 3]) -> Point {
+fn outward([a, b]: &[Point2; 2], face: &[Point2; 3]) -> Point2 {
     let length = distance(*a, *b).max(f64::MIN_POSITIVE);
     let normal = [(b[1] - a[1]) / length, (a[0] - b[0]) / length];
     let middle = [0, 1].map(|axis| face.iter().map(|p| p[axis]).sum::<f64>() / 3.0 - a[axis]);
@@ -161,7 +161,7 @@ fn means(corners: &[[Point3<f64>; 3]]) -> (Vector3<f64>, Point3<f64>) {
 }
 
 /// Returns the mean gradient over the piece, on paper, of the height (or of the forward direction).
-fn up(corners: &[[Point3<f64>; 3]], triangles: &[FlatTriangle], normal: &Vector3<f64>) -> Point {
+fn up(corners: &[[Point3<f64>; 3]], triangles: &[FlatTriangle], normal: &Vector3<f64>) -> Point2 {
     let to = if normal.z.abs() > 0.7 {
         Vector3::x()
     } else {

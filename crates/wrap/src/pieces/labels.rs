@@ -3,9 +3,9 @@
 use super::BLEED_MM;
 use super::flat::Piece;
 use super::seams::Seam;
-use scaleproof_core::geometry::{between, distance, nearest_share, offset};
+use scaleproof_core::geometry::{Point2, between, distance, nearest_share, offset};
 use scaleproof_print::buckets::{Buckets, bounds};
-use scaleproof_print::wrap::{Point, Region};
+use scaleproof_print::wrap::Region;
 
 /// Radius of a letter's room, and of two letters'.
 const LETTER_MM: f64 = 1.6;
@@ -34,10 +34,10 @@ const TURNS_DEG: [f64; 13] = [
 #[derive(Debug, Clone, PartialEq)]
 pub struct Label {
     pub text: String,
-    pub at: Point,
+    pub at: Point2,
     pub radius_mm: f64,
-    /// Point of the border that it names.
-    pub names: Point,
+    /// Point2 of the border that it names.
+    pub names: Point2,
     pub is_number: bool,
 }
 
@@ -46,16 +46,16 @@ pub struct Label {
 pub struct Signs {
     pub labels: Vec<Label>,
     /// Ticks from the border outwards.
-    pub ticks: Vec<[Point; 2]>,
+    pub ticks: Vec<[Point2; 2]>,
 }
 
 impl Signs {
-    pub fn leaders(&self) -> impl Iterator<Item = [Point; 2]> {
+    pub fn leaders(&self) -> impl Iterator<Item = [Point2; 2]> {
         self.labels.iter().map(|label| [label.names, label.at])
     }
 
     /// Returns true if a disc has at least this clearance from all labels, leaders and ticks.
-    pub fn are_off(&self, at: Point, radius_mm: f64, clear_mm: f64) -> bool {
+    pub fn are_off(&self, at: Point2, radius_mm: f64, clear_mm: f64) -> bool {
         let mut lines = self.leaders().chain(self.ticks.iter().copied());
         let off_label = |label: &Label| distance(label.at, at) >= label.radius_mm + radius_mm + clear_mm;
         self.labels.iter().all(off_label) && lines.all(|line| to_line(at, line) >= radius_mm + clear_mm)
@@ -196,17 +196,17 @@ struct Places<'a> {
     signs: Signs,
     piece: &'a Piece,
     ink: &'a Region,
-    edges: Vec<[Point; 2]>,
+    edges: Vec<[Point2; 2]>,
     buckets: Buckets,
-    low: Point,
-    high: Point,
+    low: Point2,
+    high: Point2,
 }
 
 impl<'a> Places<'a> {
     fn new(piece: &'a Piece, ink: &'a Region, around_mm: f64) -> Self {
         let (low, high) = piece.region.bounds().unwrap_or_default();
         let (low, high) = (low.map(|mm| mm - around_mm), high.map(|mm| mm + around_mm));
-        let edges: Vec<[Point; 2]> = ink.edges().map(|(a, b)| [*a, *b]).collect();
+        let edges: Vec<[Point2; 2]> = ink.edges().map(|(a, b)| [*a, *b]).collect();
         let reach = NUMBER_MM + CLEAR_MM;
         Self {
             signs: Signs::default(),
@@ -220,7 +220,7 @@ impl<'a> Places<'a> {
     }
 
     /// Returns a free position for a label near a point of the border, and its distance. In a notch, its leader may cross the bleed.
-    fn free(&self, border: Point, outward: Point, radius_mm: f64) -> Option<(f64, Point)> {
+    fn free(&self, border: Point2, outward: Point2, radius_mm: f64) -> Option<(f64, Point2)> {
         let nearest = BLEED_MM + radius_mm + CLEAR_MM;
         let count = (FARTHEST_MM / 0.8) as usize;
         let find = |blocking: &Region| {
@@ -240,7 +240,7 @@ impl<'a> Places<'a> {
     }
 
     /// Returns true if a disc is inside the room and clear of all ink and signs.
-    fn is_free(&self, at: Point, radius_mm: f64) -> bool {
+    fn is_free(&self, at: Point2, radius_mm: f64) -> bool {
         let inside =
             (0..2).all(|axis| at[axis] - radius_mm >= self.low[axis] && at[axis] + radius_mm <= self.high[axis]);
         let off_ink = || {
@@ -252,7 +252,7 @@ impl<'a> Places<'a> {
     }
 
     /// Returns true if a leader from the border reaches a label without crossing `blocking`.
-    fn is_open(&self, border: Point, at: Point, radius_mm: f64, blocking: &Region) -> bool {
+    fn is_open(&self, border: Point2, at: Point2, radius_mm: f64, blocking: &Region) -> bool {
         let length = distance(border, at);
         let along = |mm: f64| between(border, at, mm / length);
         let from = BLEED_MM + 2.0 * CLEAR_MM;
@@ -264,7 +264,7 @@ impl<'a> Places<'a> {
         })
     }
 
-    fn tick(&mut self, at: Point, outward: Point, length_mm: f64) {
+    fn tick(&mut self, at: Point2, outward: Point2, length_mm: f64) {
         let end = offset(at, outward, length_mm);
         let known = self.signs.ticks.iter().any(|[start, _]| distance(*start, at) < 0.5);
         let steps = (length_mm / 0.25) as usize;
@@ -295,6 +295,6 @@ impl<'a> Places<'a> {
 }
 
 /// Returns the distance of a point from a segment.
-fn to_line(p: Point, [a, b]: [Point; 2]) -> f64 {
+fn to_line(p: Point2, [a, b]: [Point2; 2]) -> f64 {
     distance(p, between(a, b, nearest_share(p, [a, b])))
 }

@@ -1,8 +1,9 @@
 //! Nesting of shapes on the fewest pages: each at the lowest and leftmost free place over several rotations, on a grid of cells.
 
+use scaleproof_core::geometry::Point2;
 use scaleproof_print::raster::Pose;
 use scaleproof_print::sheet::RectMm;
-use scaleproof_print::wrap::{Point, Region};
+use scaleproof_print::wrap::Region;
 
 /// Side of a cell, and the gap between two shapes in addition to the cells' rounding.
 const CELL_MM: f64 = 1.5;
@@ -86,7 +87,7 @@ fn nest_in_order(
 struct Turned {
     turn: [f64; 2],
     /// Position of its first cell's lower left corner in the rotated plane.
-    low: Point,
+    low: Point2,
     cells: Cells,
     /// Its runs of cells, the longest first: those block the most positions.
     runs: Vec<Run>,
@@ -157,13 +158,13 @@ impl Cells {
     }
 
     /// Returns the cells whose centre is in a region; its bounding box and the first cell share the lower left corner.
-    fn covered(region: &Region, low: Point, high: Point) -> Self {
+    fn covered(region: &Region, low: Point2, high: Point2) -> Self {
         let count = |axis: usize| ((high[axis] - low[axis]) / CELL_MM).ceil().max(1.0) as usize;
         let mut cells = Self::blank(count(0), count(1));
         for row in 0..cells.rows.len() {
             let y = low[1] + (row as f64 + 0.5) * CELL_MM;
             // Crossings of outlines with the row, with their direction: a point is inside while the sum is not zero.
-            let crossing = |(a, b): (&Point, &Point)| {
+            let crossing = |(a, b): (&Point2, &Point2)| {
                 let up = a[1] <= y && b[1] > y;
                 let down = b[1] <= y && a[1] > y;
                 let x = a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);

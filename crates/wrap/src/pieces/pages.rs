@@ -3,13 +3,13 @@
 use super::labels::{Label, Signs};
 use super::nest::{self, Place};
 use super::{PiecesError, PiecesRequest};
-use scaleproof_core::geometry::{circle, distance, offset};
+use scaleproof_core::geometry::{Point2, circle, distance, offset};
 use scaleproof_print::frame::{CROP_STRIP_MM, FOOTER_MM, PageFrame};
 use scaleproof_print::paper::Stock;
 use scaleproof_print::ruler;
 use scaleproof_print::sheet::{Mark, RectMm, Sheet, TextAnchor};
 use scaleproof_print::template::Captions;
-use scaleproof_print::wrap::{Point, Region};
+use scaleproof_print::wrap::Region;
 
 const SHEET_MM: f64 = 5.0;
 const SHEET_WIDTH_MM: f64 = 22.0;
@@ -45,8 +45,8 @@ pub fn fits_mm(request: &PiecesRequest, around_mm: f64) -> Result<[f64; 2], Piec
 
 /// Returns the part of a piece's plane that needs paper of its own: its ink and its signs.
 pub fn shape(ink: &Region, signs: &Signs) -> Region {
-    let disc = |label: &Label| circle(label.at, label.radius_mm * 1.02, 16).collect::<Vec<Point>>();
-    let bar = |[a, b]: [Point; 2]| {
+    let disc = |label: &Label| circle(label.at, label.radius_mm * 1.02, 16).collect::<Vec<Point2>>();
+    let bar = |[a, b]: [Point2; 2]| {
         let length = distance(a, b).max(f64::MIN_POSITIVE);
         let aside = [0.3 * (a[1] - b[1]) / length, 0.3 * (b[0] - a[0]) / length];
         [(a, -1.0), (b, -1.0), (b, 1.0), (a, 1.0)]
@@ -118,7 +118,7 @@ pub fn cover_frame(frame: &PageFrame, request: &PiecesRequest) -> Result<PageFra
 /// Returns one page with its marks, rulers, captions, and page number.
 pub fn sheet(frame: &PageFrame, marks: Vec<Mark>, captions: &Captions, (page, pages): (usize, usize)) -> Sheet {
     let mut sheet = captions.sheet(frame, marks);
-    let at = (frame.printable.right_mm, frame.printable.bottom_mm + 0.8);
+    let at = [frame.printable.right_mm, frame.printable.bottom_mm + 0.8];
     let label = format!("{} of {pages}", page + 1);
     let room = (SHEET_MM, SHEET_WIDTH_MM);
     sheet.marks.push(Mark::fitted(at, room, TextAnchor::Right, label));

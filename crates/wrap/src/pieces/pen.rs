@@ -3,11 +3,11 @@
 use super::BLEED_MM;
 use super::flat::Piece;
 use super::labels::{Label, NUMBER_RING_MM, Signs};
-use scaleproof_core::geometry::{between, circle, distance};
+use scaleproof_core::geometry::{Point2, between, circle, distance};
 use scaleproof_plot::lettering::fitting_size_mm;
 use scaleproof_print::raster::Pose;
-use scaleproof_print::sheet::{BLACK, Mark, PointMm, TextAnchor, WHITE};
-use scaleproof_print::wrap::{Point, Region, cut_line, moved};
+use scaleproof_print::sheet::{BLACK, Mark, TextAnchor, WHITE};
+use scaleproof_print::wrap::{Region, cut_line, moved};
 
 const LETTER_MM: f64 = 3.0;
 const NUMBER_MM: f64 = 3.8;
@@ -33,14 +33,13 @@ pub fn cut(region: &Region) -> Vec<Mark> {
 
 impl Pen<'_> {
     /// Returns a point slightly away from the border, so that nothing of the line stays on the piece.
-    fn off_line(&self, border: Point, to: Point) -> Point {
+    fn off_line(&self, border: Point2, to: Point2) -> Point2 {
         between(border, to, 0.4 / distance(border, to).max(0.4))
     }
 
     /// Converts a point of the piece's plane to the page.
-    pub fn place(&self, p: Point) -> PointMm {
-        let [x, y] = self.pose.at(p);
-        PointMm::new(x, y)
+    pub fn place(&self, p: Point2) -> Point2 {
+        self.pose.at(p)
     }
 
     /// Converts a region of the piece's plane to the page.
@@ -49,15 +48,15 @@ impl Pen<'_> {
     }
 
     /// Draws a line from the border outwards.
-    pub fn tick(&self, [border, end]: [Point; 2]) -> [Mark; 2] {
+    pub fn tick(&self, [border, end]: [Point2; 2]) -> [Mark; 2] {
         self.haloed([self.off_line(border, end), end])
     }
 
-    pub fn line(&self, ends: [Point; 2], width_mm: f64, dash_mm: Option<(f64, f64)>) -> Mark {
+    pub fn line(&self, ends: [Point2; 2], width_mm: f64, dash_mm: Option<(f64, f64)>) -> Mark {
         Mark::stroke(ends.map(|p| self.place(p)), width_mm, dash_mm, BLACK)
     }
 
-    fn haloed(&self, ends: [Point; 2]) -> [Mark; 2] {
+    fn haloed(&self, ends: [Point2; 2]) -> [Mark; 2] {
         let ends = ends.map(|p| self.place(p));
         [(HALO_MM, WHITE), (LINE_MM, BLACK)].map(|(width_mm, colour)| Mark::stroke(ends, width_mm, None, colour))
     }
@@ -90,15 +89,15 @@ impl Pen<'_> {
             marks.push(Mark::centred(at, size, &label.text));
         } else {
             let size_mm = fitting_size_mm(&label.text, size.0, size.1);
-            let baseline = (at.x_mm, at.y_mm - 0.28 * size_mm);
+            let baseline = [at[0], at[1] - 0.28 * size_mm];
             marks.push(Mark::text(baseline, size_mm, TextAnchor::Centre, &label.text));
         }
         marks
     }
 
     /// Draws the ring around a number, with the arrow that points up on the model.
-    fn ring(&self, at: Point) -> Vec<Mark> {
-        let ring: Vec<PointMm> = circle(at, NUMBER_RING_MM, 32).map(|p| self.place(p)).collect();
+    fn ring(&self, at: Point2) -> Vec<Mark> {
+        let ring: Vec<Point2> = circle(at, NUMBER_RING_MM, 32).map(|p| self.place(p)).collect();
         let mut marks: Vec<Mark> = Mark::outline(&ring, LINE_MM, BLACK).collect();
         let up = self.piece.up[1].atan2(self.piece.up[0]);
         let arrow = [(1.3, 0.0), (0.0, 0.35), (0.0, -0.35)].map(|(beyond, turn)| {

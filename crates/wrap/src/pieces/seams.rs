@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::flat::{Border, Piece, near};
-use scaleproof_core::geometry::{between, distance};
-use scaleproof_print::wrap::Point;
+use scaleproof_core::geometry::{Point2, between, distance};
 
 /// Border edge of a piece.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -31,7 +30,7 @@ pub struct SeamEdge {
 
 impl SeamEdge {
     /// Returns its ends on paper on one side, in the order of the seam.
-    pub fn ends(&self, pieces: &[Piece], side: usize) -> [Point; 2] {
+    pub fn ends(&self, pieces: &[Piece], side: usize) -> [Point2; 2] {
         let [a, b] = border(pieces, self.sides[side]).flat;
         if self.backwards { [b, a] } else { [a, b] }
     }
@@ -39,8 +38,8 @@ impl SeamEdge {
 
 #[derive(Debug, Clone, Copy)]
 pub struct SeamPlace {
-    pub at: Point,
-    pub outward: Point,
+    pub at: Point2,
+    pub outward: Point2,
 }
 
 impl Seam {
@@ -194,7 +193,7 @@ impl<'a> Chains<'a> {
 }
 
 /// Returns the position on paper of an end of a border.
-fn end_at(pieces: &[Piece], id: BorderId, corner: usize) -> Point {
+fn end_at(pieces: &[Piece], id: BorderId, corner: usize) -> Point2 {
     let border = border(pieces, id);
     border.flat[usize::from(border.ends[0] != corner)]
 }

@@ -2,8 +2,8 @@
 
 use super::flat::Piece;
 use super::seams::{Seam, SeamEdge, border};
-use scaleproof_core::geometry::{distance, offset};
-use scaleproof_print::wrap::{Contour, Point, Region};
+use scaleproof_core::geometry::{Point2, distance, offset};
+use scaleproof_print::wrap::{Contour, Region};
 
 /// Minimum area of a tab relative to its length times its width; with less it does not hold.
 const LEAST_SHARE: f64 = 0.4;
@@ -18,7 +18,7 @@ const GAP_MM: f64 = 0.6;
 pub struct Tabs {
     pub region: Region,
     /// Fold lines, along the border.
-    pub folds: Vec<[Point; 2]>,
+    pub folds: Vec<[Point2; 2]>,
 }
 
 /// For each seam the side with a tab, and the distance of its letter from the border there.
@@ -74,9 +74,9 @@ fn strip(seam: &Seam, pieces: &[Piece], side: usize, width_mm: f64) -> Region {
 /// Edge of a border, in the order of its seam.
 #[derive(Debug, Clone, Copy)]
 struct Line {
-    from: Point,
-    to: Point,
-    outward: Point,
+    from: Point2,
+    to: Point2,
+    outward: Point2,
 }
 
 impl Line {
@@ -84,7 +84,7 @@ impl Line {
         distance(self.from, self.to)
     }
 
-    fn along(&self) -> Point {
+    fn along(&self) -> Point2 {
         let length = self.length_mm().max(f64::MIN_POSITIVE);
         [0, 1].map(|axis| (self.to[axis] - self.from[axis]) / length)
     }

@@ -8,12 +8,22 @@
 mod assembly;
 mod borders;
 mod clusters;
+mod error;
+mod left_out;
 mod merge;
 mod outline;
 mod patch;
+mod request;
 mod surface;
 mod topology;
 mod visibility;
+
+pub use error::{MAX_TRIANGLES, UnwrapError};
+
+pub use left_out::{LeftOut, LeftOutReason};
+
+pub(crate) use request::STRETCH;
+pub use request::UnwrapRequest;
 
 use nalgebra::Point3;
 
@@ -22,39 +32,6 @@ use surface::Surface;
 pub(crate) use surface::WHOLE;
 
 use scaleproof_surface::mesh::Mesh;
-
-/// Maximum number of triangles; more take minutes.
-pub const MAX_TRIANGLES: usize = 200_000;
-
-/// Range of stretch that can be requested. No surface is flat to the last digit.
-const STRETCH: std::ops::RangeInclusive<f64> = 1.001..=2.0;
-
-/// Bounds on the pieces.
-#[derive(Debug, Clone, PartialEq)]
-pub struct UnwrapRequest {
-    /// Maximum number of pieces, for which up to 3 % of the paint may be left out. `None`: no bound, and no paint is left out.
-    pub most_pieces: Option<usize>,
-    /// Maximum mean stretch over all pieces, by area.
-    pub mean_stretch: f64,
-    /// Maximum 99th percentile of the stretch over all pieces, by area.
-    pub stretch_99: f64,
-    /// Size of the rectangle that each piece must fit in any rotation, mm; `None`: any size.
-    pub fits_mm: Option<[f64; 2]>,
-    /// True to flatten paint that is not visible from outside, too; otherwise it is left out.
-    pub hidden_too: bool,
-}
-
-impl Default for UnwrapRequest {
-    fn default() -> Self {
-        Self {
-            most_pieces: None,
-            mean_stretch: 1.03,
-            stretch_99: 1.2,
-            fits_mm: None,
-            hidden_too: false,
-        }
-    }
-}
 
 /// Triangle of a piece. A large triangle of the mesh is subdivided, so several faces may share it.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,25 +55,6 @@ pub struct Chart {
     pub surface_mm2: f64,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum LeftOutReason {
-    /// The paint is not visible from outside.
-    Hidden,
-    /// The paint has no area, or is duplicated.
-    NoArea,
-    /// The paint is on the smallest pieces, beyond the allowed number.
-    TooSmall,
-}
-
-/// Paint that is on no piece.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LeftOut {
-    /// Triangles of the mesh, each once, ascending. A subdivided triangle may have other parts in pieces.
-    pub triangles: Vec<usize>,
-    pub surface_mm2: f64,
-    pub reason: LeftOutReason,
-}
-
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unwrapped {
     /// Points in the model frame.
@@ -116,23 +74,6 @@ impl Unwrapped {
     pub fn surface_mm2(&self) -> f64 {
         self.charts.iter().map(|chart| chart.surface_mm2).sum()
     }
-}
-
-/// Reason why there are no pieces.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum UnwrapError {
-    #[error("the mesh has no paint that can be seen; check the paint's name and which way is up")]
-    NoPaint,
-    #[error("the paint has {count} triangles and is cut into pieces up to {MAX_TRIANGLES}; simplify the mesh")]
-    TooManyTriangles { count: usize },
-    #[error(
-        "the paint takes {needed} pieces of this size and stretch, and {most} are allowed; allow more pieces, more stretch or larger paper"
-    )]
-    TooFewPieces { most: usize, needed: usize },
-    #[error("a stretch of {value} cannot be asked for; {} to {} can", STRETCH.start(), STRETCH.end())]
-    BadStretch { value: f64 },
-    #[error("pieces of {} × {} mm are too small for this model", size_mm[0], size_mm[1])]
-    BadSize { size_mm: [f64; 2] },
 }
 
 /// Cuts the paint of these materials (all if there are none) into pieces and flattens each. `progress` is called with the share done.

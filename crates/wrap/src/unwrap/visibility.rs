@@ -3,8 +3,9 @@
 use nalgebra::{Point3, Vector3};
 
 use super::surface::{Neighbours, Surface};
-use scaleproof_core::geometry::{self, extent, view_axes};
+use scaleproof_core::geometry::{self, PlaneTriangle, Point2, extent, view_axes};
 use scaleproof_surface::mesh::{Mesh, doubled_area};
+use scaleproof_surface::zbuffer::ZBuffer;
 
 /// Elevations of the views and their number around at each. A person looks at a model on a table slightly from below, too.
 const VIEWS: [(f64, usize); 5] = [(-10.0, 12), (10.0, 12), (32.0, 12), (58.0, 8), (90.0, 1)];
@@ -57,13 +58,32 @@ pub(super) fn visible(seen: &[Seen], beside: &Neighbours) -> Vec<bool> {
     (0..seen.len()).map(is_visible).collect()
 }
 
-/// Orthographic view: the depth of the nearest surface at each pixel.
+/// Orthographic view of the whole mesh.
 struct View {
     /// Axes to the right, up and towards the viewer, in pixels.
     axes: [Vector3<f64>; 3],
-    origin: [f64; 2],
+    origin: Point2,
     size: [usize; 2],
-    nearest: Vec<f64>,
+    nearest: ZBuffer<()>,
+}
+
+/// Triangle in a view: its corners in pixels, and how far each is towards the viewer.
+struct Projected {
+    corners: [Point2; 3],
+    doubled_area: f64,
+    towards: [f64; 3],
+}
+
+impl Projected {
+    /// Returns true if the view is along the triangle's plane, so that it covers no pixel.
+    fn is_edge_on(&self) -> bool {
+        self.doubled_area.abs() < 1e-9
+    }
+
+    /// Returns the distance from the viewer at a point by its barycentric coordinates; its origin is arbitrary.
+    fn depth(&self, shares: [f64; 3]) -> f64 {
+        -(0..3).map(|i| shares[i] * self.towards[i]).sum::<f64>()
+    }
 }
 
 impl View {
@@ -77,71 +97,47 @@ impl View {
             // Off the pixels' centres, which would otherwise coincide with the edges of a box.
             origin: [x.0 - 0.63, y.0 - 0.59],
             size,
-            nearest: vec![f64::NEG_INFINITY; size[0] * size[1]],
+            nearest: ZBuffer::new(0..size[0] as i64, 0..size[1] as i64, 0.0),
         }
     }
 
-    fn project(&self, p: &Point3<f64>) -> [f64; 3] {
-        let [x, y, z] = [0, 1, 2].map(|a| self.axes[a].dot(&p.coords));
-        [x - self.origin[0], y - self.origin[1], z]
+    fn project(&self, corners: &[Point3<f64>; 3]) -> Projected {
+        let along = |axis: usize, p: &Point3<f64>| self.axes[axis].dot(&p.coords);
+        let flat = corners.map(|p| [0, 1].map(|axis| along(axis, &p) - self.origin[axis]));
+        Projected {
+            doubled_area: geometry::doubled_area(flat[0], flat[1], flat[2]),
+            corners: flat,
+            towards: corners.map(|p| along(2, &p)),
+        }
     }
 
     fn draw(&mut self, corners: &[Point3<f64>; 3]) {
-        let corners = corners.map(|p| self.project(&p));
-        let nearest = &mut self.nearest;
-        pixels(&corners, self.size, |at, depth| nearest[at] = nearest[at].max(depth));
+        let triangle = self.project(corners);
+        if !triangle.is_edge_on() {
+            self.nearest
+                .draw(triangle.corners, |shares| triangle.depth(shares), |_| ());
+        }
     }
 
+    /// Adds to a face's visibility the pixels of this view that show it.
     fn look(&self, corners: &[Point3<f64>; 3], seen: &mut Seen) {
         let normal = doubled_area(corners);
         let is_grazed = normal.dot(&self.axes[2]).abs() < LEAST_COSINE * normal.norm() * self.axes[2].norm();
-        let corners = corners.map(|p| self.project(&p));
+        let triangle = self.project(corners);
+        let Some(flat) = PlaneTriangle::new(triangle.corners).filter(|_| !triangle.is_edge_on()) else {
+            return;
+        };
         let (mut covered, mut shown) = (0_u32, 0_u32);
-        pixels(&corners, self.size, |at, depth| {
+        flat.draw(self.size, 0.0, |column, row, shares| {
             covered += 1;
-            shown += u32::from(!is_grazed && depth >= self.nearest[at] - SAME_DEPTH);
+            let nearest = self.nearest.at(column as i64, row as i64);
+            let is_nearest = nearest.is_some_and(|nearest| triangle.depth(shares) <= nearest.depth + SAME_DEPTH);
+            shown += u32::from(!is_grazed && is_nearest);
         });
         if covered > 0 {
             let share = f64::from(shown) / f64::from(covered);
             seen.share = Some(seen.share.map_or(share, |most| most.max(share)));
-            seen.front_px += i64::from(shown) * if doubled(&corners) > 0.0 { 1 } else { -1 };
+            seen.front_px += i64::from(shown) * if triangle.doubled_area > 0.0 { 1 } else { -1 };
         }
-    }
-}
-
-fn doubled(corners: &[[f64; 3]; 3]) -> f64 {
-    let [a, b, c] = corners.map(|[x, y, _]| [x, y]);
-    geometry::doubled_area(a, b, c)
-}
-
-/// Calls `each` with the index and the depth at each pixel whose centre the triangle covers.
-fn pixels(corners: &[[f64; 3]; 3], size: [usize; 2], mut each: impl FnMut(usize, f64)) {
-    let area = doubled(corners);
-    if area.abs() < 1e-9 {
-        return;
-    }
-    let [a, b, c] = corners;
-    // Depth is a linear function of the pixel.
-    let slope = |j: usize| ((b[2] - a[2]) * (c[j] - a[j]) - (c[2] - a[2]) * (b[j] - a[j])) / area;
-    let (by_x, by_y) = (slope(1), -slope(0));
-    let (lowest, highest) = extent([a[1], b[1], c[1]]);
-    let mut y = lowest.ceil().max(0.0) as usize;
-    while y < size[1] && y as f64 <= highest.floor() {
-        let at = y as f64;
-        let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
-        for (p, q) in [(a, b), (b, c), (c, a)] {
-            if (p[1] - at) * (q[1] - at) > 0.0 {
-                continue;
-            }
-            let share = if p[1] == q[1] { 0.0 } else { (at - p[1]) / (q[1] - p[1]) };
-            let x = p[0] + share * (q[0] - p[0]);
-            (from, to) = (from.min(x), to.max(x));
-        }
-        let mut x = from.ceil().max(0.0) as usize;
-        while x < size[0] && x as f64 <= to {
-            each(y * size[0] + x, a[2] + by_x * (x as f64 - a[0]) + by_y * (at - a[1]));
-            x += 1;
-        }
-        y += 1;
     }
 }

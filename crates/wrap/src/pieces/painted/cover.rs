@@ -75,14 +75,14 @@ fn order(made: &PaintedPieces, room: RectMm) -> (Vec<Mark>, f64) {
     let baseline = |row: usize| room.top_mm - TEXT_MM - row as f64 * ROW_MM;
     let heading = "Order of spraying (area on paper):";
     let mut marks = vec![Mark::text(
-        (room.left_mm, baseline(0)),
+        [room.left_mm, baseline(0)],
         TEXT_MM,
         TextAnchor::Left,
         heading,
     )];
     for (i, (used, area)) in made.painted.paints.iter().zip(&made.areas).enumerate() {
         let (x, y) = (room.left_mm + (i / rows) as f64 * COLUMN_MM, baseline(1 + i % rows));
-        let text = |mm: f64, anchor: TextAnchor, text: String| Mark::text((x + mm, y), TEXT_MM, anchor, text);
+        let text = |mm: f64, anchor: TextAnchor, text: String| Mark::text([x + mm, y], TEXT_MM, anchor, text);
         marks.push(text(5.0, TextAnchor::Right, (i + 1).to_string()));
         let middle = y + 0.5 * CAP_HEIGHT * TEXT_MM;
         let (wide, high) = SWATCH_MM;

@@ -5,8 +5,14 @@
 
 mod cover;
 mod material;
+mod printed;
 mod regions;
+mod request;
 mod sheets;
+
+pub use printed::{PaintedPieces, PieceStencil};
+
+pub use request::{PaintedError, PaintedRequest};
 
 pub use material::Material;
 pub use regions::PaintedPiece;
@@ -15,21 +21,17 @@ use std::collections::BTreeSet;
 
 use super::flat::Piece;
 use super::labels::{self, Signs};
-use super::nest::Place;
+use super::pages;
 use super::seams::{self, Seam};
-use super::{AROUND_MM, PiecesError, PiecesRequest, cm2, left_out_facts, pages};
 use crate::unwrap::Unwrapped;
-use scaleproof_core::spelling::count;
 use scaleproof_core::workers;
-use scaleproof_plot::lettering::number;
 use scaleproof_print::frame::PageFrame;
 use scaleproof_print::paint::plane::{Area, PlaneOutline};
 use scaleproof_print::paint::{
     Legend, MOST_CELLS, NoStencil, PaintArea, PaintError, Slant, check_features, check_pages, hole_mm, legend_sheets,
-    openings_and_bridges, rim_mm,
+    openings_and_bridges,
 };
-use scaleproof_print::printer;
-use scaleproof_print::sheet::{RectMm, Sheet};
+use scaleproof_print::sheet::RectMm;
 use scaleproof_print::template::{Captions, cell_mm, check_scale};
 use scaleproof_print::wrap::Region;
 use scaleproof_surface::mesh::Mesh;
@@ -38,111 +40,6 @@ use scaleproof_surface::texture::Tile;
 
 /// Area below which patches are rounding, mm².
 const NOTHING_MM2: f64 = 0.01;
-/// Room beyond the rim for the cutting line.
-const BEYOND_RIM_MM: f64 = 2.0;
-
-/// Reason why no painted pieces were printed.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum PaintedError {
-    #[error(transparent)]
-    Pieces(#[from] PiecesError),
-    #[error(transparent)]
-    Paint(#[from] PaintError),
-}
-
-/// Settings of painted pieces. Tabs, resolution and bleed of the pieces are ignored.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PaintedRequest {
-    pub pieces: PiecesRequest,
-    /// Minimum width of bridges and openings.
-    pub min_feature_mm: f64,
-    /// True to mirror the stencils, as seen from their back.
-    pub mirror: bool,
-}
-
-impl PaintedRequest {
-    pub fn title(&self) -> String {
-        format!("Paint sheets of {}", self.pieces.sheets.name)
-    }
-
-    fn around_mm(&self) -> f64 {
-        AROUND_MM.max(rim_mm(self.min_feature_mm) + BEYOND_RIM_MM)
-    }
-}
-
-/// Cuts for a paint in a piece's material, turned upright.
-#[derive(Debug, Clone)]
-pub struct PieceStencil {
-    pub piece: usize,
-    /// Index of the paint, from 0 in the order of spraying.
-    pub paint: usize,
-    pub openings: Area,
-    pub bridges: Area,
-}
-
-#[derive(Debug, Clone)]
-pub struct PaintedPieces {
-    pub pieces: Vec<Piece>,
-    pub places: Vec<Place>,
-    pub frame: PageFrame,
-    /// Paints in the order of spraying: the largest first.
-    pub painted: Painted,
-    /// Areas of each paint, on paper. The first has no stencil.
-    pub areas: Vec<PaintArea>,
-    pub regions: Vec<PaintedPiece>,
-    pub materials: Vec<Material>,
-    /// Stencils with an opening, paint by paint.
-    pub stencils: Vec<PieceStencil>,
-    /// Number and area, mm², of parts of a paint's area that are too narrow to be cut.
-    pub narrow: (usize, f64),
-    pub flat: Unwrapped,
-    pub min_feature_mm: f64,
-    /// Instructions, the legend, the sheets to paint by number, then the stencils paint by paint; corrected for the printer.
-    pub pages: Vec<Sheet>,
-    /// Name of each page, used if it becomes a file of its own.
-    pub names: Vec<String>,
-}
-
-impl PaintedPieces {
-    pub fn sheets(&self) -> usize {
-        pages::sheets(&self.places)
-    }
-
-    /// Returns the facts, one per sentence.
-    pub fn facts(&self) -> Vec<String> {
-        let mut facts = vec![
-            format!(
-                "{} on {}, {}: {} of paint, {:.1} % of what can be seen",
-                count(self.pieces.len(), "piece"),
-                count(self.sheets(), "sheet"),
-                count(self.stencils.len(), "stencil"),
-                cm2(self.flat.surface_mm2()),
-                100.0 * self.flat.surface_mm2() / self.flat.visible_mm2.max(f64::MIN_POSITIVE)
-            ),
-            format!(
-                "stretch (mm on the surface for 1 mm on paper, or the inverse): mean {:.3}, 99th percentile {:.3}",
-                self.flat.mean_stretch, self.flat.stretch_99
-            ),
-        ];
-        let (parts, mm2) = self.narrow;
-        if parts > 0 {
-            facts.push(format!(
-                "{} narrower than {} mm, {}, not cut: touch up by number",
-                count(parts, "part"),
-                number(self.min_feature_mm),
-                cm2(mm2)
-            ));
-        }
-        facts.extend(left_out_facts(&self.flat.left_out));
-        facts
-    }
-
-    fn add(&mut self, name: String, sheet: Sheet) {
-        let stretch = self.frame.setup.stretch();
-        self.pages.push(printer::corrected_one(sheet, stretch));
-        self.names.push(name);
-    }
-}
 
 /// Cuts the paint of some materials of a mesh into pieces that fit on the paper with the rims of their stencils, as [`super::flattened`] does.
 pub fn flattened(

@@ -1,11 +1,11 @@
 //! Areas of each paint on a piece: the cells of a world-aligned pattern, clipped to every triangle and flattened with it.
 
 use crate::pieces::flat::Piece;
-use scaleproof_core::geometry::{between as mix, distance, extent, to_segment};
+use scaleproof_core::geometry::clip::{self, clipped};
+use scaleproof_core::geometry::{Point2, between as mix, distance, extent, to_segment};
 use scaleproof_print::paint::plane::{Area, PlaneOutline, PlanePoint, edges, point, units};
 use scaleproof_print::raster::FlatTriangle;
-use scaleproof_print::sheet::sides;
-use scaleproof_print::wrap::{Contour, Point, Region};
+use scaleproof_print::wrap::{Contour, Region};
 use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::palette::Painted;
 use scaleproof_surface::texture::{SurfacePoint, Tile};
@@ -21,18 +21,18 @@ const NOTHING_MM2: f64 = 0.002;
 #[derive(Debug, Clone, Copy)]
 pub struct Upright {
     /// Cosine and sine of the angle.
-    turn: Point,
+    turn: Point2,
 }
 
 impl Upright {
     /// Rotates a point of the piece's plane, and converts it to units.
-    pub fn units(&self, [x, y]: Point) -> PlanePoint {
+    pub fn units(&self, [x, y]: Point2) -> PlanePoint {
         let [c, s] = self.turn;
         PlanePoint::new(units(c * x - s * y), units(s * x + c * y))
     }
 
     /// Rotates a point back to the piece's plane.
-    pub fn back(&self, [x, y]: Point) -> Point {
+    pub fn back(&self, [x, y]: Point2) -> Point2 {
         let [c, s] = self.turn;
         [c * x + s * y, c * y - s * x]
     }
@@ -55,8 +55,17 @@ pub struct PaintedPiece {
 /// Corner of a part of a triangle: in the pattern's plane, in cells, rows counted downwards; and on paper.
 #[derive(Debug, Clone, Copy)]
 struct Corner {
-    cell: Point,
-    flat: Point,
+    cell: Point2,
+    flat: Point2,
+}
+
+impl clip::Corner for Corner {
+    fn along(self, end: Self, share: f64) -> Self {
+        Self {
+            cell: mix(self.cell, end.cell, share),
+            flat: mix(self.flat, end.flat, share),
+        }
+    }
 }
 
 pub fn painted_piece((mesh, tile): (&Mesh, &Tile), painted: &Painted, piece: &Piece) -> PaintedPiece {
@@ -97,10 +106,10 @@ fn corners(mesh: &Mesh, tile: &Tile, flat: &FlatTriangle) -> [Corner; 3] {
 
 /// Returns the rotation that aligns the rows of cells with x or y, averaged over all triangles by area. Quarter turns are equivalent, so four times
 /// the angle is averaged.
-fn turn(laid: &[[Corner; 3]]) -> Point {
+fn turn(laid: &[[Corner; 3]]) -> Point2 {
     let mut sum = [0.0; 2];
     for [a, b, c] in laid {
-        let step = |p: &Corner, of: fn(&Corner) -> Point| [0, 1].map(|axis| of(p)[axis] - of(a)[axis]);
+        let step = |p: &Corner, of: fn(&Corner) -> Point2| [0, 1].map(|axis| of(p)[axis] - of(a)[axis]);
         let (cell, flat) = (|p: &Corner| p.cell, |p: &Corner| p.flat);
         let ([du, dv], [eu, ev]) = (step(b, cell), step(c, cell));
         let (d, e) = (step(b, flat), step(c, flat));
@@ -125,27 +134,8 @@ fn cells(outline: &[Corner], axis: usize) -> impl Iterator<Item = f64> + use<> {
 
 /// Clips a convex outline to one row or column.
 fn between(outline: &[Corner], axis: usize, first: f64) -> Vec<Corner> {
-    cut(&cut(outline, axis, first, 1.0), axis, first + 1.0, -1.0)
-}
-
-/// Clips a convex outline to one side of a line (Sutherland & Hodgman 1974).
-fn cut(outline: &[Corner], axis: usize, limit: f64, sign: f64) -> Vec<Corner> {
-    let inside_by = |corner: &Corner| sign * (corner.cell[axis] - limit);
-    let mut kept = Vec::with_capacity(outline.len() + 1);
-    for (a, b) in sides(outline) {
-        let (at_a, at_b) = (inside_by(a), inside_by(b));
-        if at_a >= 0.0 {
-            kept.push(*a);
-        }
-        if (at_a < 0.0) != (at_b < 0.0) {
-            let share = at_a / (at_a - at_b);
-            kept.push(Corner {
-                cell: mix(a.cell, b.cell, share),
-                flat: mix(a.flat, b.flat, share),
-            });
-        }
-    }
-    kept
+    let rest = clipped(outline, |corner: &Corner| corner.cell[axis] - first);
+    clipped(&rest, |corner| first + 1.0 - corner.cell[axis])
 }
 
 /// Returns a part of a triangle on paper, counter-clockwise; `None` if it is empty.

@@ -5,13 +5,14 @@ use super::{PaintedPieces, PieceStencil};
 use crate::pieces::labels::Signs;
 use crate::pieces::pages;
 use crate::pieces::pen::{LINE_MM, Pen, cut};
+use scaleproof_core::geometry::Point2;
 use scaleproof_plot::lettering::fitting_size_mm;
 use scaleproof_print::frame::PageFrame;
 use scaleproof_print::paint::plane::{Area, PlaneOutline, mm};
 use scaleproof_print::paint::{OPENING, cross, disc, mirrored, swatch};
-use scaleproof_print::sheet::{BLACK, Mark, PointMm, RectMm, Sheet, TextAnchor};
+use scaleproof_print::sheet::{BLACK, Mark, RectMm, Sheet, TextAnchor};
 use scaleproof_print::template::Captions;
-use scaleproof_print::wrap::{Contour, EDGE_DASH_MM, EDGE_LINE_MM, Point, Region, moved};
+use scaleproof_print::wrap::{Contour, EDGE_DASH_MM, EDGE_LINE_MM, Region, moved};
 
 const BORDER_MM: f64 = 0.12;
 const NUMBER_MM: f64 = 3.5;
@@ -85,18 +86,17 @@ impl<'a> Drawing<'a> {
         }
     }
 
-    fn on_page(&self, piece: usize, area: &Area) -> Vec<Vec<PointMm>> {
+    fn on_page(&self, piece: usize, area: &Area) -> Vec<Vec<Point2>> {
         let region = flat(area, &self.made.regions[piece].upright);
         moved(self.pen(piece).region(&region).contours(), [0.0; 2])
     }
 
-    fn holes(&self, piece: usize) -> impl Iterator<Item = (f64, f64)> {
+    fn holes(&self, piece: usize) -> impl Iterator<Item = Point2> {
         let pen = self.pen(piece);
-        let at = move |hole: &Point| {
-            let p = pen.place(*hole);
-            (p.x_mm, p.y_mm)
-        };
-        self.made.materials[piece].holes.iter().map(at)
+        self.made.materials[piece]
+            .holes
+            .iter()
+            .map(move |hole| pen.place(*hole))
     }
 
     /// Draws the piece with each patch in a tint of its paint, and the paint's number in it.
@@ -174,7 +174,7 @@ impl<'a> Drawing<'a> {
         let mut marks = swatch(area, self.made.painted.paints[paint].paint.rgb).to_vec();
         let side = if self.mirror { "back, " } else { "" };
         let text = format!("{side}paint {}", paint + 1);
-        let at = (right - SWATCH_MM - 1.5, y);
+        let at = [right - SWATCH_MM - 1.5, y];
         marks.push(Mark::fitted(at, (PAINT_MM, 16.0), TextAnchor::Right, text));
         marks
     }
