@@ -6,7 +6,8 @@
 
 use nalgebra::Point3;
 
-use super::{Mesh, SignedAxis};
+use super::triangles::Mesh;
+use scaleproof_core::geometry::SignedAxis;
 
 /// Number of points on the surface that are sampled, besides the corners of the triangles.
 const SAMPLES: f64 = 60_000.0;

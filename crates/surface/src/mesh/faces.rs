@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use super::{MAX_TRIANGLES, Mesh, MeshError};
+use super::error::MeshError;
+use super::soup::MAX_TRIANGLES;
+use super::triangles::Mesh;
 use scaleproof_core::files;
 
 /// Size of the largest file: nine bytes a triangle, and room for comments of an editor.
@@ -63,5 +65,30 @@ impl FaceList {
             repeated: entries - indices.len(),
             indices,
         })
+    }
+}
+
+impl Mesh {
+    /// Gives some triangles materials of their own, one for each material that they were of, and returns these.
+    #[must_use]
+    pub fn with_paint(mut self, faces: &FaceList) -> (Self, Vec<usize>) {
+        let count = self.materials.len();
+        let mut of_old = vec![None; count];
+        self.looks.resize(count, None);
+        for face in &faces.indices {
+            let Some(triangle) = self.triangles.get_mut(*face) else {
+                continue;
+            };
+            let old = triangle.material;
+            // The face was listed before, and has its own material.
+            let Some(of_old) = of_old.get_mut(old) else { continue };
+            triangle.material = *of_old.get_or_insert_with(|| {
+                self.materials.push(format!("{} (paint)", self.materials[old]));
+                self.looks.push(self.looks[old].clone());
+                self.materials.len() - 1
+            });
+        }
+        let paint = (count..self.materials.len()).collect();
+        (self, paint)
     }
 }

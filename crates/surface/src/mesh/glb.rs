@@ -7,7 +7,7 @@ use nalgebra::{Matrix4, Point3};
 use super::gltf_data::Buffers;
 use super::gltf_look::{Placing, looks};
 use super::image::Look;
-use super::{Soup, Trouble, corner};
+use super::soup::{Soup, Trouble, corner};
 
 /// Length of the file's header: the magic word, the version, the length of the whole.
 const HEADER: usize = 12;

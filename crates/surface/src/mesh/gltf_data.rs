@@ -14,7 +14,7 @@ use gltf::{Accessor, Document};
 use percent_encoding::percent_decode_str;
 
 use super::image::ImageSource;
-use super::{MAX_BYTES, Trouble};
+use super::soup::{MAX_BYTES, Trouble};
 use scaleproof_core::files;
 
 /// Both names of the extension that packs views with meshoptimizer.

@@ -7,8 +7,8 @@ use nalgebra::Point3;
 
 use super::image::{ImageSource, Look};
 use super::mtl::{self, Map};
+use super::soup::{Corner, Soup, Trouble};
 use super::text::{joined, lines};
-use super::{Corner, Soup, Trouble};
 use scaleproof_core::files;
 
 /// Name of the material of faces before the first `usemtl`.

@@ -4,7 +4,9 @@ use std::path::Path;
 
 use nalgebra::{Matrix3, Point3};
 
-use super::{Mesh, MeshError};
+use super::error::MeshError;
+use super::frame::FileFrame;
+use super::triangles::Mesh;
 use scaleproof_core::geometry::SignedAxis;
 use scaleproof_core::geometry::length::is_size;
 
@@ -13,30 +15,6 @@ const LEAST_LENGTH: f64 = 1e-9;
 
 pub fn is_gltf(file: &Path) -> bool {
     file.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"))
-}
-
-/// Transform from the mesh's file to the model frame: a turn, then a shift and a scale.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct FileFrame {
-    turn: Matrix3<f64>,
-    ground: Point3<f64>,
-    scale: f64,
-}
-
-impl Default for FileFrame {
-    fn default() -> Self {
-        Self {
-            turn: Matrix3::identity(),
-            ground: Point3::origin(),
-            scale: 1.0,
-        }
-    }
-}
-
-impl FileFrame {
-    pub(super) fn to_file(&self, p: &Point3<f64>) -> Point3<f64> {
-        self.turn.transpose() * (p / self.scale + self.ground.coords)
-    }
 }
 
 /// Placement of a mesh in the model frame. Options that are left out are as the format says: a glTF is in metres with its front to

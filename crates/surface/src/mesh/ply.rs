@@ -7,7 +7,7 @@ use ply_rs_bw::parser::{Parser, Reader};
 use ply_rs_bw::ply::{DefaultElement, Property};
 
 use super::image::{ImageSource, Look};
-use super::{MAX_TRIANGLES, Soup, Trouble, corner};
+use super::soup::{MAX_TRIANGLES, Soup, Trouble, corner};
 
 /// Largest number of vertices, faces and other elements of the header: a closed surface has half as many vertices as triangles, separate triangles
 /// three each.

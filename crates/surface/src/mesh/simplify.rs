@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use meshopt::{SimplifyOptions, VertexDataAdapter, simplify, typed_to_bytes};
 use nalgebra::Point3;
 
-use super::{Mesh, Triangle};
+use super::triangles::{Mesh, Triangle};
 
 /// A mesh with fewer triangles.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,8 +2,8 @@
 
 use nalgebra::Point3;
 
+use super::soup::{Soup, Trouble};
 use super::text::{BYTE_ORDER_MARK, lines};
-use super::{Soup, Trouble};
 
 const SOLID: &str = "solid";
 const MATERIAL: &str = SOLID;
