@@ -21,6 +21,8 @@ pub mod page;
 mod advice;
 mod gates;
 mod guidance;
+mod guided; // a capture from its request to its end
+mod interruptible; // sources that can be given up while they wait
 pub mod live;
 pub mod pair;
 mod programs;
@@ -50,6 +52,10 @@ use scaleproof_session::PhotoEntry;
 pub use advice::Advice;
 pub use gates::{FrameJudgement, Judge, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Measures};
 pub use guidance::{BinName, Guidance, NextMove, Target, Tolerance};
+pub use guided::{
+    CaptureEnd, GuidedCapture, GuidedError, GuidedRequest, OpenedCapture, PageRequest, SourceOptions, ViewsRequest,
+};
+pub use interruptible::OnInterrupt;
 pub use live::{CameraSettings, LiveCamera};
 pub use programs::interrupt_programs;
 pub use replay::Replay;

@@ -1,2 +1,4 @@
 #[cfg(feature = "full")]
+pub mod capture;
+#[cfg(feature = "full")]
 pub mod film;

@@ -1,2 +1,6 @@
 #[cfg(feature = "full")]
+pub mod capture;
+#[cfg(feature = "full")]
+pub mod decided;
+#[cfg(feature = "full")]
 pub mod film;

@@ -4,7 +4,6 @@ mod advise;
 mod attack;
 mod board;
 mod calibrate;
-mod capture;
 mod chart;
 mod fetch;
 pub(super) mod interrupt;
@@ -41,7 +40,7 @@ pub(super) enum Command {
     /// Textures as images for simulators, and as previews
     #[command(subcommand)]
     Texture(textures::Command),
-    Capture(capture::Args),
+    Capture(crate::cli::args::capture::Args),
     Survey(survey::Args),
     /// Chart methods against each other, on the same photos
     #[command(subcommand)]
@@ -57,7 +56,7 @@ pub(super) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
         Command::Attack(command) => attack::run(command, out),
         Command::Calibrate(args) => calibrate::run(args, out),
         Command::Texture(command) => textures::run(&command, out),
-        Command::Capture(args) => capture::run(args, out),
+        Command::Capture(args) => crate::cli::commands::capture::run(args, out),
         Command::Survey(args) => survey::run(args, out),
         Command::Chart(command) => chart::run(command, out),
     }
@@ -117,8 +116,8 @@ pub(super) fn schemas() -> Vec<Named> {
     let mut all = vec![
         named::<scaleproof_study::advise::Advice>("advice"),
         named::<scaleproof_rig::calibrate::CalibrationAnswer>("calibrate"),
-        named::<capture::Line>("capture"),
-        named::<capture::Cameras>("capture-list-cameras"),
+        named::<crate::cli::print::capture::Line>("capture"),
+        named::<crate::cli::print::capture::Cameras>("capture-list-cameras"),
         named::<fetch::Fetched>("detectors-fetch"),
         named::<Written<board::Answer>>("print-board"),
         named::<Written<patch::Answer>>("print-patch"),

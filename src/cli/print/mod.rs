@@ -1,5 +1,7 @@
 //! `scaleproof print`: sheets for the printer.
 
+#[cfg(feature = "full")]
+pub mod capture;
 mod chart;
 mod check;
 #[cfg(feature = "full")]

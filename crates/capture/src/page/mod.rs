@@ -52,8 +52,8 @@ pub enum PageError {
     #[error(transparent)]
     Source(#[from] SourceError),
     /// What keeps the pairs from being looked at.
-    #[error("{0}")]
-    Pairs(String),
+    #[error(transparent)]
+    Pairs(Box<dyn std::error::Error>),
     #[error(transparent)]
     Output(io::Error),
 }

@@ -123,8 +123,8 @@ pub enum CaptureNotice<'a> {
     Set(&'a CameraSettings),
 }
 
-/// Asks what the pairs say so far; the sentence why it cannot be told ends the capture.
-pub type AskPairs<'a> = &'a dyn Fn(&Guidance) -> Result<PairsSoFar, String>;
+/// Asks what the pairs say so far; an error ends the capture.
+pub type AskPairs<'a> = &'a dyn Fn(&Guidance) -> Result<PairsSoFar, Box<dyn std::error::Error>>;
 
 pub(super) struct CaptureWorker<'a> {
     capture: &'a mut Capture,

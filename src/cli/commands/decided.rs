@@ -2,10 +2,9 @@
 
 use std::path::PathBuf;
 
-use super::terminal::TerminalLog;
-use crate::cli::compare::inside;
-use crate::cli::results::{Programs, Results};
-use crate::cli::{Result, at_hand, detectors, score as score_command};
+use crate::cli::args::capture::DecidedArgs;
+use crate::cli::results::Results;
+use crate::cli::{Result, at_hand};
 use scaleproof_capture::Guidance;
 use scaleproof_capture::page::PairsSoFar;
 use scaleproof_pose::scene::Bin;
@@ -14,41 +13,12 @@ use scaleproof_score::report;
 use scaleproof_score::{ClusteredBy, CompareError, EvaluatedDetector, Options, SequentialFinding};
 use scaleproof_session::Session;
 
-/// When a capture may end before every view is there.
-#[derive(clap::Args)]
-pub(super) struct Args {
-    /// End as soon as the mean confidence is shown to change, or a drop of --least is excluded, for every detector; the session has the photos of --base already. The test holds however often
-    /// it is looked at (`compare --sequential`).
-    #[arg(long, requires_all = ["detectors", "source"])]
-    pub(super) until_decided: bool,
-    /// With --until-decided: a detector that looks at each pair; once for each, or a list with commas.
-    #[arg(
-        long = "detector",
-        value_name = "NAME",
-        value_delimiter = ',',
-        requires = "until_decided"
-    )]
-    detectors: Vec<String>,
-    #[command(flatten)]
-    folder: detectors::Folder,
-    #[command(flatten)]
-    programs: Programs,
-    /// With --until-decided: the texture that the photos are held against.
-    #[arg(long, value_name = "NAME", default_value = score::BASE_VARIANT)]
-    base: String,
-    /// With --until-decided: the smallest drop of the mean confidence that matters. Between 0 and 1.
-    #[arg(long, value_name = "DROP", requires = "until_decided", allow_negative_numbers = true, value_parser = inside)]
-    least: Option<f64>,
-    #[command(flatten)]
-    effort: score_command::Effort,
-}
-
-impl Args {
+impl DecidedArgs {
     /// Opens the session that the photos go into, which has the base's photos, and the detectors.
     ///
     /// # Errors
     /// A session without photos of the base at this place; detectors that cannot take part.
-    pub(super) fn question(&self, folder: PathBuf, variant: &str, place: &str) -> Result<Option<Question>> {
+    pub fn question(&self, folder: PathBuf, variant: &str, place: &str) -> Result<Option<Question>> {
         if !self.until_decided {
             return Ok(None);
         }
@@ -92,7 +62,7 @@ impl Args {
 }
 
 /// Whether two textures differ, asked of a session that grows.
-pub(super) struct Question {
+pub struct Question {
     folder: PathBuf,
     variant: String,
     place: String,
@@ -103,11 +73,11 @@ pub(super) struct Question {
 }
 
 impl Question {
-    /// Looks at the pairs, and says what they say.
+    /// Looks at the pairs.
     ///
     /// # Errors
     /// The session cannot be read, a detector fails.
-    pub(super) fn ask(&self, guidance: &Guidance, terminal: &mut TerminalLog) -> Result<PairsSoFar> {
+    pub fn ask(&self, guidance: &Guidance) -> Result<PairsSoFar> {
         let mut session = Session::open(&self.folder)?;
         session
             .photos
@@ -128,12 +98,10 @@ impl Question {
             Err(CompareError::NoPair { .. } | CompareError::NothingElse { .. }) => ("no pair yet".into(), false),
             Err(e) => return Err(e.into()),
         };
-        let pairs = PairsSoFar {
+        Ok(PairsSoFar {
             sentence,
             is_decided,
             next,
-        };
-        terminal.standing(&pairs, guidance)?;
-        Ok(pairs)
+        })
     }
 }

@@ -1,19 +1,21 @@
-//! Ctrl-C while a capture waits: the first ends it as when the source ends, the second at once.
+//! A source of frames that can be given up while it waits.
 
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-use crate::cli::full::interrupt::on_interrupt;
-use scaleproof_capture::{CameraSettings, FrameSource, SourceError, SourceFrame};
+use crate::{CameraSettings, FrameSource, SourceError, SourceFrame};
 
-/// What a source gave, and what its camera is set to.
+/// A frame of a source with the settings of its camera; `None` when there will be no more.
 type SourceItem = Result<Option<(SourceFrame, Option<CameraSettings>)>, SourceError>;
+
+/// Registers something that is called once, when the user interrupts the program.
+pub type OnInterrupt<'a> = &'a dyn Fn(Box<dyn FnOnce() + Send>);
 
 enum InterruptEvent {
     SourceItem(Box<SourceItem>),
     Interrupted,
 }
 
-/// Says that there will be no more when the source's thread ends, by a panic too, which was reported by then.
+/// Sender that reports the end of the source's thread when dropped, by a panic too, which was reported by then.
 struct EndNotice(Sender<InterruptEvent>);
 
 impl Drop for EndNotice {
@@ -22,16 +24,16 @@ impl Drop for EndNotice {
     }
 }
 
-/// A source that is asked from a thread of its own, so that Ctrl-C is heard while it waits.
-pub(super) struct Interruptible {
+/// A source that is asked from a thread of its own, so that an interruption is heard while it waits.
+pub(crate) struct Interruptible {
     ask: Sender<()>,
     events: Receiver<InterruptEvent>,
     was_interrupted: bool,
 }
 
 impl Interruptible {
-    /// A source that waits for ever is left behind in its thread when the program ends.
-    pub(super) fn new(mut source: Box<dyn FrameSource + Send>) -> Interruptible {
+    /// Starts the source's thread. A source that waits for ever is left behind in it when the program ends.
+    pub(crate) fn new(mut source: Box<dyn FrameSource + Send>, on_interrupt: OnInterrupt) -> Interruptible {
         let (ask, asked) = channel();
         let (tell, events) = channel();
         let interrupt = tell.clone();
@@ -44,7 +46,7 @@ impl Interruptible {
                 }
             }
         });
-        on_interrupt(move || drop(interrupt.send(InterruptEvent::Interrupted)));
+        on_interrupt(Box::new(move || drop(interrupt.send(InterruptEvent::Interrupted))));
         Interruptible {
             ask,
             events,
@@ -52,11 +54,11 @@ impl Interruptible {
         }
     }
 
-    /// The next frame, waited for; `None` when there will be no more, also after Ctrl-C.
+    /// Waits for the next frame; `None` when there will be no more, also after an interruption.
     ///
     /// # Errors
     /// The source is gone.
-    pub(super) fn next(&mut self) -> SourceItem {
+    pub(crate) fn next(&mut self) -> SourceItem {
         if self.was_interrupted || self.ask.send(()).is_err() {
             return Ok(None);
         }
@@ -70,8 +72,7 @@ impl Interruptible {
         }
     }
 
-    /// Whether Ctrl-C ended it.
-    pub(super) fn was_interrupted(&self) -> bool {
+    pub(crate) fn was_interrupted(&self) -> bool {
         self.was_interrupted
     }
 }
