@@ -16,7 +16,6 @@ use scaleproof_print::output::OutputError;
 use scaleproof_print::paint::PaintError;
 use scaleproof_print::tags::{Instead, TagPrintError};
 use scaleproof_print::template::TemplateError;
-use scaleproof_print::wrap::WrapError;
 use scaleproof_score::shard::ShardError;
 use scaleproof_score::{CompareError, EvaluatedDetectorError, GroupByError, RecordError, ScoreError};
 use scaleproof_session::NewSessionError;
@@ -99,8 +98,6 @@ pub(super) fn on(error: &(dyn Error + 'static)) -> Option<String> {
         ProposalNote::OpenSize { .. } => ", name another by --size",
         StartError::NotBuilt { .. } => "leave --tag-detector out",
         ShardError::NotAShard { .. } => "name the files that score --shard wrote",
-        WrapError::OtherSize { .. } =>
-            "; give --length-mm, or --mesh-front and --mesh-up if the mesh lies otherwise, or correct size_mm of the scene",
         MeshError::NoModel { .. } => " (--length-mm)",
         MeshError::LifeSize { .. } => "; the option is --length-mm",
         PatternError::TooManyCells { path, .. } => to_import(path),

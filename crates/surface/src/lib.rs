@@ -12,5 +12,6 @@
 //! ```
 
 pub mod mesh;
+pub mod model;
 pub mod pattern;
 pub mod texture;

@@ -2,3 +2,5 @@
 pub mod capture;
 #[cfg(feature = "full")]
 pub mod film;
+#[cfg(feature = "full")]
+pub mod model;

@@ -13,8 +13,9 @@ use scaleproof_plot::lettering::number;
 use scaleproof_pose::scene::{Envelope, MeshFacts, Paint};
 use scaleproof_surface::mesh::{AxesDoubt, AxesProposal, Mesh, MeshPlacement, is_gltf, propose_axes, propose_paint};
 
-use super::model::painted;
-use super::vehicle;
+use crate::cli::resolve::model::painted;
+use crate::cli::resolve::vehicle;
+use scaleproof_surface::model::vehicle::is_clearly_usual;
 
 /// A unit is recognised where the given length agrees with it to this factor.
 const UNIT_TOLERANCE: f64 = 1.05;
@@ -225,7 +226,7 @@ fn usual_length(file: &Path, length: f64, wanted: &Wanted) -> Result<f64> {
         .iter()
         .flat_map(|(_, mm)| [length * mm, length * mm / wanted.scale])
         .collect();
-    lengths.retain(|mm| vehicle::is_clearly_usual(wanted.class, mm * wanted.scale));
+    lengths.retain(|mm| is_clearly_usual(wanted.class.labels(), mm * wanted.scale));
     lengths.sort_by(f64::total_cmp);
     lengths.dedup_by(|a, b| (*a - *b).abs() < 1e-6 * *b);
     let (file, length) = (file.display(), number((1000.0 * length).round() / 1000.0));

@@ -8,14 +8,12 @@ mod chart;
 mod fetch;
 pub(super) mod interrupt;
 mod mesh_step;
-mod model;
 mod painted;
 mod patch;
 mod pieces;
 mod survey;
 mod texture;
 mod textures;
-mod vehicle;
 mod wrap;
 
 use std::io::Write;

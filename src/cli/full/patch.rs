@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::wrap::SheetArgs;
 use crate::cli::CommandResult;
 use crate::cli::answer::{told, written};
-use crate::cli::full::model::ModelArgs;
+use crate::cli::args::model::ModelArgs;
 use crate::cli::print::value_names;
 use crate::cli::{Result, enlarged};
 use scaleproof_core::geometry::length::parse_mm;

@@ -7,12 +7,12 @@ use serde::Serialize;
 
 use crate::cli::CommandResult;
 use crate::cli::answer::{told, written};
-use crate::cli::full::model::Model;
 use crate::cli::full::texture::NamedTexture;
 use crate::cli::progress;
 use scaleproof_plot::lettering;
 use scaleproof_print::output::SheetOutput;
 use scaleproof_print::wrap::WrapRequest;
+use scaleproof_surface::model::Model;
 use scaleproof_surface::texture::Texture;
 use scaleproof_wrap::pieces::{Piece, PiecesRequest, Place, PrintedPieces, flattened, pieces, reason};
 use scaleproof_wrap::unwrap::{LeftOut, UnwrapRequest};

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::model::Model;
 use crate::cli::Result;
 use scaleproof_core::files;
 use scaleproof_surface::mesh::{FaceList, Mesh, MeshPlacement};
+use scaleproof_surface::model::Model;
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::card::{Card, card, says_sides};
 use scaleproof_surface::texture::{FaceTexels, Mapped, MappedImages, SidePatterns, Texture, Tile, check_same_shape};

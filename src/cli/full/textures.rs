@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::attack::{azimuths, size};
 use crate::cli::answer::{told, written};
-use crate::cli::full::model::{Model, ModelArgs};
+use crate::cli::args::model::ModelArgs;
 use crate::cli::full::patch::{PlaceArgs, asked, placed};
 use crate::cli::full::texture::TextureArgs;
 use crate::cli::{CommandResult, Result, progress};
@@ -17,6 +17,7 @@ use scaleproof_core::files;
 use scaleproof_core::spelling::count;
 use scaleproof_frames::encode_rgb;
 use scaleproof_frames::shaded::{FIELD_OF_VIEW_DEG, ShadedModel, side_by_side};
+use scaleproof_surface::model::Model;
 use scaleproof_surface::texture::{MappedImages, Texture};
 use scaleproof_wrap::bake::{BakeRequest, TexturedModel, bake, write_glb, write_obj};
 

@@ -10,13 +10,15 @@ use super::painted;
 use super::pieces::{self, PiecesArgs};
 use crate::cli::CommandResult;
 use crate::cli::answer::{told, written};
-use crate::cli::full::model::{Model, ModelArgs};
+use crate::cli::args::model::ModelArgs;
 use crate::cli::full::texture::{NamedTexture, TextureArgs};
 use crate::cli::print::PaperArgs;
 use crate::cli::print::paint::PaintArgs;
+use crate::cli::resolve::model::simplify;
 use crate::cli::{Result, advice, progress};
 use scaleproof_plot::lettering;
 use scaleproof_print::wrap::{Wrap, WrapRequest, wrap};
+use scaleproof_surface::model::Model;
 use scaleproof_wrap::pieces::painted::PaintedError;
 use scaleproof_wrap::pieces::{PiecesError, UnwrapError};
 
@@ -68,7 +70,7 @@ impl SheetArgs {
 pub(crate) fn run(args: &WrapArgs, out: &mut dyn Write) -> CommandResult {
     let mut model = args.model.load_or(args.texture.mesh())?;
     if !args.pieces.panels && !args.texture.is_of_triangles(&model) {
-        model.simplify(args.texture.texture.is_some());
+        simplify(&mut model, args.texture.texture.is_some());
     }
     let painted = args.texture.load(&model)?;
     let request = || -> Result<WrapRequest> {

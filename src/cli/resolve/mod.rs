@@ -3,4 +3,8 @@ pub mod capture;
 #[cfg(feature = "full")]
 pub mod film;
 #[cfg(feature = "full")]
+pub mod model;
+#[cfg(feature = "full")]
 pub mod names;
+#[cfg(feature = "full")]
+pub mod vehicle;

@@ -22,14 +22,10 @@ use super::raster::RasterError;
 use super::sheet::Sheet;
 use super::template::{Front, LayoutRequest, SheetLayout, SheetPlan, TemplateError, TemplateRequest, layout};
 use scaleproof_core::spelling::count;
-use scaleproof_plot::lettering::number;
-use scaleproof_surface::mesh::Mesh;
 use scaleproof_surface::pattern::world_aligned::Side;
 
 /// Extension of the pattern beyond a panel's outline.
 pub const BLEED_MM: f64 = 2.0;
-/// Maximum difference between mesh and scene, as a share of a side.
-const SIZE_TOLERANCE: f64 = 0.03;
 
 /// Reason why no panels were printed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -40,8 +36,6 @@ pub enum WrapError {
     Template(#[from] TemplateError),
     #[error(transparent)]
     Raster(#[from] RasterError),
-    #[error("the mesh is {mesh_mm} mm (length × width × height) but the scene's model is {scene_mm} mm")]
-    OtherSize { mesh_mm: String, scene_mm: String },
     #[error(
         "the paint has no surface on any of the five sides; name other materials, or check which way up the mesh is"
     )]
@@ -199,18 +193,4 @@ impl Wrap {
         ));
         facts
     }
-}
-
-/// Returns an error if the mesh differs in size from the scene.
-pub fn check_size(mesh: &Mesh, scene_mm: [f64; 3]) -> Result<(), WrapError> {
-    let mesh_mm = mesh.size_mm();
-    let differs = |(a, b): (f64, f64)| (a - b).abs() > SIZE_TOLERANCE * b;
-    if mesh_mm.into_iter().zip(scene_mm).any(differs) {
-        let text = |size: [f64; 3]| size.map(|mm| number((mm * 10.0).round() / 10.0)).join(" × ");
-        return Err(WrapError::OtherSize {
-            mesh_mm: text(mesh_mm),
-            scene_mm: text(scene_mm),
-        });
-    }
-    Ok(())
 }

@@ -9,8 +9,8 @@ use serde::Serialize;
 
 use super::render::{MESH, azimuths, cache, hex, mesh_file, named, size, textured};
 use crate::cli::answer::told;
+use crate::cli::args::model::ModelArgs;
 use crate::cli::detectors::{self, Folder};
-use crate::cli::full::model::{Model, ModelArgs};
 use crate::cli::print::tile_mm;
 use crate::cli::results::Programs;
 use crate::cli::score::{Effort, caution, score_with_progress};
@@ -28,6 +28,7 @@ use scaleproof_score::{
     evaluated_detectors,
 };
 use scaleproof_session::Session;
+use scaleproof_surface::model::Model;
 use scaleproof_surface::pattern::Pattern;
 
 /// Judge patterns on the model: render them at the paper's viewpoints under other lights, and score the detectors on the photos

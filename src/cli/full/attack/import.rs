@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 
 use super::render::{described, file_name, hex, options};
-use crate::cli::full::model::ModelArgs;
+use crate::cli::args::model::ModelArgs;
 use crate::cli::print::NewFile;
 use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
@@ -128,7 +128,7 @@ impl ImportArgs {
                 Some(text) => FramePaint::FlatRgb(hex(text)?),
                 None => FramePaint::Original,
             },
-            made_by: self.made_by(&model.said, model.scale),
+            made_by: self.made_by(&self.model.filled()?, model.scale),
         })
     }
 

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::render::{hex, options};
 use crate::cli::answer::told;
-use crate::cli::full::model::{paint_of, painted};
+use crate::cli::resolve::model::{paint_of, painted};
 use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
 use scaleproof_core::spelling::count;

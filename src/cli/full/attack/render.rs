@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::cli::full::model::{Model, ModelArgs};
+use crate::cli::args::model::ModelArgs;
 use crate::cli::full::texture::load_texture;
 use crate::cli::print::tile_mm;
 use crate::cli::{CommandResult, Result, progress};
@@ -15,6 +15,7 @@ use scaleproof_frames::render::{
 };
 use scaleproof_frames::{FrameSet, FramesError, LIST, light};
 use scaleproof_pose::scene::Viewpoint;
+use scaleproof_surface::model::Model;
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_wrap::bake::TriangleImage;
 
@@ -135,7 +136,7 @@ impl RenderArgs {
             seed: self.seed,
             factor: self.position_factor,
             threads: self.threads,
-            made_by: self.made_by(&mesh_file, &model.said),
+            made_by: self.made_by(&mesh_file, &self.model.filled()?),
             mesh_file,
         })
     }

@@ -5,7 +5,7 @@ use image::{DynamicImage, Rgb, RgbImage};
 
 use super::*;
 use crate::cli::advice;
-use crate::cli::full::model::ModelArgs;
+use crate::cli::args::model::ModelArgs;
 use scaleproof_surface::texture::SurfacePoint;
 
 #[derive(clap::Parser)]
