@@ -7,7 +7,7 @@ use std::io::Write;
 use super::decided::Question;
 use crate::cli::answer::told;
 use crate::cli::args::capture::{Args, Command, DecidedArgs, GuidedArgs, ListArgs};
-use crate::cli::full::interrupt::{Opening, on_interrupt};
+use crate::cli::commands::interrupt::{Opening, on_interrupt};
 use crate::cli::print::capture::{Cameras, NamedCamera, TerminalLog, begin, enough, finish, introduce};
 use crate::cli::{CommandResult, Result};
 use scaleproof_capture::page::{AskPairs, CaptureNotice, PageError};

@@ -1,0 +1,40 @@
+//! What `attack history` is asked for.
+
+use std::collections::HashMap;
+
+use crate::cli::Result;
+use crate::cli::args::attack::history::HistoryArgs;
+use crate::cli::commands::attack::history::check_own;
+use scaleproof_attack::evaluate::finished::figures_of;
+use scaleproof_attack::evaluate::time_chart::RenderedRun;
+use scaleproof_attack::result;
+use scaleproof_attack::run::history::History;
+use scaleproof_core::files;
+
+impl HistoryArgs {
+    /// What the evaluation says of each run's pattern; nothing without one.
+    pub fn rendered(&self, histories: &[History]) -> Result<Vec<RenderedRun>> {
+        let Some(evaluation) = &self.evaluation else {
+            return Ok(Vec::new());
+        };
+        let runs = self.results.iter().zip(histories);
+        runs.map(|(folder, history)| {
+            let pattern = folder.join(result::PATTERN);
+            check_own(&pattern)?;
+            let figures = figures_of(evaluation, (&pattern, history.tile_mm), history.classes.as_ref())?;
+            Ok(RenderedRun::new(history, figures))
+        })
+        .collect()
+    }
+
+    pub fn refuse_twice(&self) -> Result<()> {
+        let mut known = HashMap::new();
+        for folder in &self.results {
+            if let Some(first) = known.insert(files::whole_path(folder)?, folder) {
+                let (first, again) = (first.display(), folder.display());
+                return Err(format!("{first} and {again} are the same result: name it once").into());
+            }
+        }
+        Ok(())
+    }
+}
