@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
+use super::render::MESH;
 use crate::cli::args::model::ModelArgs;
 use crate::cli::detectors::Folder;
-use crate::cli::resolve::attack::render::MESH;
 use crate::cli::results::Programs;
 use crate::cli::score::Effort;
 use scaleproof_frames::render::ROUGHNESS;

@@ -3,8 +3,10 @@
 use std::path::PathBuf;
 
 use crate::cli::args::model::ModelArgs;
-use crate::cli::resolve::attack::render::MESH;
 use scaleproof_frames::render::ROUGHNESS;
+
+/// What `--mesh` is to commands that render it.
+pub const MESH: &str = "The model's surface: .glb, .obj, .stl or .ply; without it, the scene's mesh";
 
 /// Render frames with Blender Cycles: every light × azimuth × pitch × distance × paint
 #[derive(clap::Args)]

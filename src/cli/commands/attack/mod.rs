@@ -8,6 +8,7 @@ pub mod evaluate;
 pub mod history;
 pub mod import;
 pub mod judge;
+pub mod on_frames;
 pub mod photos;
 pub mod render;
 pub mod run;

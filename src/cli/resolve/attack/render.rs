@@ -16,9 +16,6 @@ use scaleproof_surface::model::Model;
 use scaleproof_surface::pattern::Pattern;
 use scaleproof_wrap::bake::TriangleImage;
 
-/// What `--mesh` is to commands that render it.
-pub const MESH: &str = "The model's surface: .glb, .obj, .stl or .ply; without it, the scene's mesh";
-
 impl RenderArgs {
     pub fn request(&self) -> Result<RenderRequest> {
         let model = self.model.load()?;
