@@ -3,14 +3,10 @@
 use std::collections::BTreeSet;
 use std::io::Write;
 
-use crate::cli::CommandResult;
-use crate::cli::Outcome;
-use crate::cli::Result;
 use crate::cli::args::advise::Args;
-use crate::cli::progress;
 use crate::cli::score as score_command;
-use crate::cli::sessions;
 use crate::cli::sessions::among_photos;
+use crate::cli::{CommandResult, Outcome, Result, progress, sessions};
 use scaleproof_core::files;
 use scaleproof_score::{EvaluatedDetector, Scores};
 use scaleproof_session::Session;

@@ -3,11 +3,10 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use crate::cli::CommandResult;
 use crate::cli::answer::{told, written};
 use crate::cli::args::board::BoardArgs;
 use crate::cli::print::board::Answer;
-use crate::cli::units;
+use crate::cli::{CommandResult, units};
 use scaleproof_core::files;
 use scaleproof_plot::lettering::number;
 use scaleproof_print::board::{BoardError, BoardRequest, board};

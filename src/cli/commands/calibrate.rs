@@ -3,12 +3,9 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use crate::cli::CommandResult;
-use crate::cli::Outcome;
 use crate::cli::answer::answer;
 use crate::cli::args::calibrate::Args;
-use crate::cli::photos;
-use crate::cli::progress;
+use crate::cli::{CommandResult, Outcome, photos, progress};
 use scaleproof_core::files;
 use scaleproof_pose::board::Definition;
 use scaleproof_pose::camera::CameraFormat;

@@ -3,13 +3,10 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use crate::cli::CommandResult;
-use crate::cli::Result;
 use crate::cli::answer::{Named, named};
 use crate::cli::args::chart::{CaptureArgs, Command, EnvelopeArgs, LocateArgs, ScoreArgs, SigmaArgs, StabilityArgs};
-use crate::cli::at_hand;
-use crate::cli::progress;
 use crate::cli::results::Results;
+use crate::cli::{CommandResult, Result, at_hand, progress};
 use scaleproof_core::files;
 use scaleproof_core::spelling::count;
 use scaleproof_pose::locate::Solver;

@@ -4,14 +4,11 @@ use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
-use crate::cli::CommandResult;
-use crate::cli::Outcome;
-use crate::cli::Result;
 use crate::cli::answer::answer;
 use crate::cli::args::fetch::FetchArgs;
 use crate::cli::detectors::{chosen, fetch_one};
 use crate::cli::print::fetch::Fetched;
-use crate::cli::progress;
+use crate::cli::{CommandResult, Outcome, Result, progress};
 use scaleproof_detect::download::{FetchError, fetch};
 use scaleproof_detect::{Manifest, WeightFolders};
 

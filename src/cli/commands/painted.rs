@@ -2,11 +2,10 @@
 
 use std::io::Write;
 
-use crate::cli::CommandResult;
 use crate::cli::answer::{told, written};
 use crate::cli::print::paint::{Paints, table};
 use crate::cli::print::painted::facts;
-use crate::cli::progress;
+use crate::cli::{CommandResult, progress};
 use scaleproof_core::spelling::count;
 use scaleproof_print::output::SheetOutput;
 use scaleproof_surface::model::Model;

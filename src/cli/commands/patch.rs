@@ -2,12 +2,10 @@
 
 use std::io::Write;
 
-use crate::cli::CommandResult;
-use crate::cli::Result;
 use crate::cli::answer::{told, written};
 use crate::cli::args::patch::{PatchArgs, PlaceArgs};
-use crate::cli::enlarged;
 use crate::cli::print::patch::{Answer, PatchAnswer};
+use crate::cli::{CommandResult, Result, enlarged};
 use scaleproof_core::geometry::length::parse_mm;
 use scaleproof_core::spelling::count;
 use scaleproof_print::patch::{PanelPatch, PatchError, patches};

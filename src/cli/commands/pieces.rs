@@ -2,11 +2,10 @@
 
 use std::io::Write;
 
-use crate::cli::CommandResult;
 use crate::cli::answer::{told, written};
 use crate::cli::print::pieces::facts;
-use crate::cli::progress;
 use crate::cli::resolve::texture::NamedTexture;
+use crate::cli::{CommandResult, progress};
 use scaleproof_plot::lettering;
 use scaleproof_print::output::SheetOutput;
 use scaleproof_surface::model::Model;

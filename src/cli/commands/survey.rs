@@ -4,13 +4,9 @@ use std::error::Error;
 use std::io::Write;
 use std::path::Path;
 
-use crate::cli::CommandResult;
-use crate::cli::Outcome;
-use crate::cli::advice;
 use crate::cli::args::survey::Args;
-use crate::cli::photos;
 use crate::cli::print::survey::json;
-use crate::cli::progress;
+use crate::cli::{CommandResult, Outcome, advice, photos, progress};
 use scaleproof_core::files;
 use scaleproof_pose::camera::Camera;
 use scaleproof_pose::scene::{Scene, TagFamily};

@@ -2,14 +2,11 @@
 
 use std::io::Write;
 
-use crate::cli::CommandResult;
-use crate::cli::Result;
 use crate::cli::answer::{told, written};
 use crate::cli::args::textures::{BakeArgs, Command, GREY, ShowArgs};
 use crate::cli::print::textures::{Baked, Shown};
-use crate::cli::progress;
-use crate::cli::resolve::attack::render::azimuths;
-use crate::cli::resolve::attack::render::size;
+use crate::cli::resolve::attack::render::{azimuths, size};
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
 use scaleproof_core::spelling::count;
 use scaleproof_frames::encode_rgb;

@@ -3,17 +3,13 @@
 use std::error::Error;
 use std::io::Write;
 
-use crate::cli::CommandResult;
-use crate::cli::Result;
-use crate::cli::advice;
 use crate::cli::answer::{told, written};
 use crate::cli::args::wrap::WrapArgs;
-use crate::cli::commands::painted;
-use crate::cli::commands::pieces;
+use crate::cli::commands::{painted, pieces};
 use crate::cli::print::wrap::facts;
-use crate::cli::progress;
 use crate::cli::resolve::model::simplify;
 use crate::cli::resolve::texture::NamedTexture;
+use crate::cli::{CommandResult, Result, advice, progress};
 use scaleproof_plot::lettering;
 use scaleproof_print::wrap::{WrapRequest, wrap};
 use scaleproof_surface::model::Model;

@@ -4,12 +4,9 @@ use std::io::Write;
 
 use serde::Serialize;
 
-use crate::cli::CommandResult;
-use crate::cli::Result;
 use crate::cli::answer::{told, written};
-use crate::cli::args::chart::ChartFiles;
-use crate::cli::args::chart::ChartInput;
-use crate::cli::progress;
+use crate::cli::args::chart::{ChartFiles, ChartInput};
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
 use scaleproof_session::Session;
 use scaleproof_study::chart::locate::PhotoSample;

@@ -2,12 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::Result;
 use crate::cli::args::mesh_step::SceneMesh;
 use crate::cli::resolve::model::painted;
 use crate::cli::resolve::vehicle;
 use crate::cli::taken::{Taken, Wanted};
-use crate::cli::units;
+use crate::cli::{Result, units};
 use scaleproof_core::files;
 use scaleproof_core::geometry::extent;
 use scaleproof_core::spelling::quoted;

@@ -2,8 +2,7 @@
 
 use crate::cli::Result;
 use crate::cli::args::textures::{PAPER, PaintedArgs};
-use crate::cli::commands::patch::asked;
-use crate::cli::commands::patch::placed;
+use crate::cli::commands::patch::{asked, placed};
 use scaleproof_surface::model::Model;
 use scaleproof_surface::texture::Texture;
 

@@ -2,17 +2,14 @@
 
 use std::io::Write;
 
-use crate::cli::CommandResult;
-use crate::cli::Result;
 use crate::cli::answer::told;
 use crate::cli::args::attack::baseline::{Method, PatchesArgs, SearchArgs};
 use crate::cli::args::attack::on_frames::OnFrames;
-use crate::cli::commands::patch::asked;
-use crate::cli::commands::patch::placed;
+use crate::cli::commands::patch::{asked, placed};
 use crate::cli::print::attack::on_frames::figures_in_words;
-use crate::cli::progress;
 use crate::cli::resolve::attack::on_frames::cells_of;
 use crate::cli::resolve::attack::render::hex;
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_attack::baseline::patches::{first_unseen, judge_patches};
 use scaleproof_attack::baseline::{self, BlackBox, camou, genetic};
 use scaleproof_attack::run::augmentation::Eot;

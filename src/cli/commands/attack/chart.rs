@@ -2,12 +2,9 @@
 
 use std::io::Write;
 
-use crate::cli::CommandResult;
-use crate::cli::Outcome;
-use crate::cli::Result;
 use crate::cli::args::attack::chart::ChartArgs;
-use crate::cli::progress;
 use crate::cli::resolve::attack::render::hexes;
+use crate::cli::{CommandResult, Outcome, Result, progress};
 use scaleproof_core::files;
 use scaleproof_frames::FrameSet;
 use scaleproof_frames::surrogate::chart::{draw, draw_training, measure, numbers, table};

@@ -8,10 +8,9 @@ use std::io::Write;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
-use crate::cli::CommandResult;
-use crate::cli::Result;
 use crate::cli::args::attack::colours::ColoursArgs;
 use crate::cli::resolve::attack::render::hexes;
+use crate::cli::{CommandResult, Result};
 use scaleproof_core::files;
 use scaleproof_frames::surrogate::additive::recoloured;
 use scaleproof_frames::{FrameSet, light};

@@ -2,17 +2,13 @@
 
 use std::io::Write;
 
-use crate::cli::CommandResult;
-use crate::cli::Outcome;
-use crate::cli::Result;
 use crate::cli::args::attack::demo::DemoArgs;
-use crate::cli::args::attack::on_frames::Looking;
-use crate::cli::args::attack::on_frames::OnFrames;
-use crate::cli::commands::attack::run::METHOD;
-use crate::cli::commands::attack::run::optimise;
+use crate::cli::args::attack::on_frames::{Looking, OnFrames};
+use crate::cli::commands::attack::run::{METHOD, optimise};
 use crate::cli::demo::{home, own_detector, print_template};
 use crate::cli::detectors::Folder;
 use crate::cli::results::Programs;
+use crate::cli::{CommandResult, Outcome, Result};
 use scaleproof_attack::result::PATTERN;
 use scaleproof_attack::run::judge::judge;
 use scaleproof_attack::run::view_set::TextureMapping;

@@ -2,15 +2,13 @@
 
 use std::io::Write;
 
-use crate::cli::CommandResult;
-use crate::cli::Result;
 use crate::cli::answer::told;
 use crate::cli::args::attack::evaluate::EvaluateArgs;
 use crate::cli::commands::attack::render::cache;
 use crate::cli::print::attack::evaluate::Evaluated;
-use crate::cli::progress;
 use crate::cli::resolve::attack::render::mesh_file;
 use crate::cli::score::caution;
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_attack::evaluate::RenderedSet;
 use scaleproof_core::files;
 use scaleproof_frames::render::blender;

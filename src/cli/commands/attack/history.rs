@@ -3,12 +3,11 @@
 use std::io::Write;
 use std::path::Path;
 
-use crate::cli::CommandResult;
-use crate::cli::Result;
 use crate::cli::answer::told;
 use crate::cli::args::attack::history::HistoryArgs;
 use crate::cli::print::attack::history::{Histories, rendered_table, table};
 use crate::cli::print::card_fault;
+use crate::cli::{CommandResult, Result};
 use scaleproof_attack::evaluate::time_chart::{self};
 use scaleproof_attack::run::history::{History, draw};
 use scaleproof_core::files;

@@ -4,11 +4,9 @@ use crate::cli::print::attack::frames::say_frames;
 use crate::cli::resolve::attack::frames::new_list;
 use std::io::Write;
 
-use crate::cli::CommandResult;
-use crate::cli::Result;
 use crate::cli::args::attack::import::{ImportArgs, Layout};
 use crate::cli::print::NewFile;
-use crate::cli::progress;
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
 use scaleproof_frames::import::fca::{self};
 use scaleproof_frames::import::import;

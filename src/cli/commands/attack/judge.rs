@@ -2,13 +2,12 @@
 
 use std::io::Write;
 
-use crate::cli::CommandResult;
 use crate::cli::answer::told;
 use crate::cli::args::attack::judge::JudgeArgs;
 use crate::cli::args::attack::on_frames::Looking;
 use crate::cli::print::attack::judge::{Judgement, table};
-use crate::cli::progress;
 use crate::cli::resolve::attack::render::named;
+use crate::cli::{CommandResult, progress};
 use scaleproof_attack::judged::{JudgedPattern, NamedCells, judged};
 use scaleproof_attack::run::augmentation::Eot;
 

@@ -3,11 +3,10 @@
 use std::io::Write;
 use std::path::Path;
 
-use crate::cli::CommandResult;
-use crate::cli::Result;
 use crate::cli::answer::told;
 use crate::cli::args::attack::on_frames::OnFrames;
 use crate::cli::print::attack::on_frames::{Made, beside, figures_in_words, undefended};
+use crate::cli::{CommandResult, Result};
 use scaleproof_attack::result;
 use scaleproof_attack::run::history::{Entry, History};
 use scaleproof_attack::run::judge::{HeldOutFigures, judge};

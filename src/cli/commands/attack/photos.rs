@@ -5,15 +5,12 @@ use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::PathBuf;
 
-use crate::cli::CommandResult;
-use crate::cli::Result;
 use crate::cli::answer::told;
 use crate::cli::args::attack::photos::PhotosArgs;
 use crate::cli::print::attack::photos::{FramesOfPhotos, say, say_left_out};
-use crate::cli::progress;
-use crate::cli::resolve::attack::render::hex;
-use crate::cli::resolve::attack::render::options;
+use crate::cli::resolve::attack::render::{hex, options};
 use crate::cli::resolve::model::{paint_of, painted};
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
 use scaleproof_core::spelling::count;
 use scaleproof_frames::light;

@@ -5,10 +5,8 @@ use std::collections::HashSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use crate::cli::CommandResult;
-use crate::cli::Result;
 use crate::cli::args::attack::render::RenderArgs;
-use crate::cli::progress;
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_frames::render::{RenderPlan, blender, check_folder, render};
 use scaleproof_frames::{FrameSet, FramesError, LIST};
 

@@ -2,11 +2,9 @@
 
 use std::io::Write;
 
-use crate::cli::CommandResult;
-use crate::cli::Result;
 use crate::cli::args::attack::on_frames::OnFrames;
 use crate::cli::args::attack::run::RunArgs;
-use crate::cli::progress;
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_attack::run::history::Entry;
 use scaleproof_attack::run::{Attack, AttackConfig, Rgb};
 use scaleproof_attack::setup::Setup;

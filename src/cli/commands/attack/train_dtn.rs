@@ -2,13 +2,11 @@
 
 use std::io::Write;
 
-use crate::cli::CommandResult;
-use crate::cli::Result;
 use crate::cli::answer::told;
 use crate::cli::args::attack::train_dtn::TrainArgs;
 use crate::cli::print::attack::train_dtn::{TrainedNetwork, table};
-use crate::cli::progress;
 use crate::cli::resolve::attack::render::hexes;
+use crate::cli::{CommandResult, Result, progress};
 use scaleproof_core::files;
 use scaleproof_frames::FrameSet;
 use scaleproof_frames::surrogate::dtn::data::TrainingSet;

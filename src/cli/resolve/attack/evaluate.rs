@@ -2,19 +2,12 @@
 
 use std::path::Path;
 
-use crate::cli::Result;
 use crate::cli::args::attack::evaluate::EvaluateArgs;
-use crate::cli::at_hand;
-use crate::cli::detectors::{self};
-use crate::cli::patterns;
+use crate::cli::detectors;
 use crate::cli::print::tile_mm;
-use crate::cli::resolve::attack::render::azimuths;
-use crate::cli::resolve::attack::render::hex;
-use crate::cli::resolve::attack::render::mesh_file;
-use crate::cli::resolve::attack::render::named;
-use crate::cli::resolve::attack::render::size;
-use crate::cli::resolve::attack::render::textured;
+use crate::cli::resolve::attack::render::{azimuths, hex, mesh_file, named, size, textured};
 use crate::cli::score::score_with_progress;
+use crate::cli::{Result, at_hand, patterns};
 use scaleproof_detect::Manifest;
 use scaleproof_frames::render::{Panorama, RenderPaint, RenderRequest};
 use scaleproof_pose::scene::{Classes, Scene, Viewpoint};

@@ -3,10 +3,7 @@
 use crate::cli::Result;
 use crate::cli::args::attack::import::ImportArgs;
 use crate::cli::args::model::ModelArgs;
-use crate::cli::resolve::attack::render::described;
-use crate::cli::resolve::attack::render::file_name;
-use crate::cli::resolve::attack::render::hex;
-use crate::cli::resolve::attack::render::options;
+use crate::cli::resolve::attack::render::{described, file_name, hex, options};
 use scaleproof_frames::FramePaint;
 use scaleproof_frames::import::fca::FcaRequest;
 

@@ -3,12 +3,11 @@
 use super::frames::WhiteBoxes;
 use std::path::Path;
 
-use crate::cli::Result;
 use crate::cli::args::attack::on_frames::{Looking, OnFrames};
-use crate::cli::detectors::{self};
+use crate::cli::detectors;
 use crate::cli::enlarged::note_enlarged;
 use crate::cli::print::card_fault;
-use crate::cli::progress;
+use crate::cli::{Result, progress};
 use scaleproof_attack::result;
 use scaleproof_attack::run::AttackConfig;
 use scaleproof_attack::run::augmentation::Eot;
