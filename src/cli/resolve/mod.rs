@@ -13,6 +13,8 @@ pub mod model;
 #[cfg(feature = "full")]
 pub mod names;
 #[cfg(feature = "full")]
+pub mod patch;
+#[cfg(feature = "full")]
 pub mod pieces;
 #[cfg(feature = "full")]
 pub mod texture;

@@ -1,8 +1,8 @@
 //! What `texture` is asked for.
 
+use super::patch::{asked, placed};
 use crate::cli::Result;
 use crate::cli::args::textures::{PAPER, PaintedArgs};
-use crate::cli::commands::patch::{asked, placed};
 use scaleproof_surface::model::Model;
 use scaleproof_surface::texture::Texture;
 

@@ -1,18 +1,14 @@
 //! `scaleproof attack history`: several methods on one chart.
 
 use std::io::Write;
-use std::path::Path;
 
 use crate::cli::answer::told;
 use crate::cli::args::attack::history::HistoryArgs;
 use crate::cli::print::attack::history::{Histories, rendered_table, table};
-use crate::cli::print::card_fault;
 use crate::cli::{CommandResult, Result};
 use scaleproof_attack::evaluate::time_chart::{self};
 use scaleproof_attack::run::history::{History, draw};
 use scaleproof_core::files;
-use scaleproof_surface::pattern::Pattern;
-use scaleproof_surface::pattern::card::{self, CardError};
 
 pub fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
     let histories = args
@@ -66,17 +62,4 @@ pub fn run(args: &HistoryArgs, out: &mut dyn Write) -> CommandResult {
     let paths: Vec<String> = new.iter().map(|(path, _)| path.display().to_string()).collect();
     let words = table(&histories) + &rendered_table(&rendered) + &paths.join("\n");
     told(args.json, &facts, words, out)
-}
-
-/// The pattern of a result is the one that its card was written for, and no texture.
-pub fn check_own(path: &Path) -> Result<(), String> {
-    let pattern = Pattern::load(path).map_err(|e| e.to_string())?;
-    match card::card(path, &pattern) {
-        Ok(card) if card.sides => Err(format!(
-            "{} has cells for each side, which evaluations hold as a texture: --evaluation shows repeated patterns alone",
-            path.display()
-        )),
-        Ok(_) | Err(CardError::None { .. }) => Ok(()),
-        Err(e) => Err(card_fault(&e)),
-    }
 }

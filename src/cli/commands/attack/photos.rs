@@ -1,6 +1,5 @@
 //! `scaleproof attack photos`: frames from photos of the real model in flat colours.
 
-use crate::cli::resolve::attack::frames::new_list;
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::PathBuf;
@@ -8,6 +7,7 @@ use std::path::PathBuf;
 use crate::cli::answer::told;
 use crate::cli::args::attack::photos::PhotosArgs;
 use crate::cli::print::attack::photos::{FramesOfPhotos, say, say_left_out};
+use crate::cli::resolve::attack::frames::new_list;
 use crate::cli::resolve::attack::render::{hex, options};
 use crate::cli::resolve::model::{paint_of, painted};
 use crate::cli::{CommandResult, Result, progress};
@@ -19,9 +19,6 @@ use scaleproof_frames::photos::sessions::{
 };
 use scaleproof_frames::photos::{LeftOutPhoto, PhotoFramesRequest, make};
 use scaleproof_session::Session;
-
-/// Exposures that differ by more cost accuracy, as cameras' tone curves are not sRGB's.
-pub const MOST_GAIN: f64 = 1.2;
 
 pub fn run(args: &PhotosArgs, out: &mut dyn Write) -> CommandResult {
     let flats = flats(&args.flat)?;

@@ -74,10 +74,3 @@ pub fn frames(args: &TrainArgs, references: &[[u8; 3]]) -> Result<TrainingSet> {
         .during(|bar| TrainingSet::read(&folders, validation.as_ref(), width, references, || bar.inc(1)));
     Ok(read?)
 }
-
-/// At most about ten lines, the last among them.
-pub fn thinned<T>(all: &[T]) -> impl Iterator<Item = &T> {
-    let every = all.len().div_ceil(10).max(1);
-    let skip = (all.len() + every - 1) % every;
-    all.iter().skip(skip).step_by(every)
-}

@@ -6,7 +6,6 @@ use std::path::Path;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::cli::commands::attack::photos::MOST_GAIN;
 use scaleproof_frames::photos::{FramedView, LeftOutPhoto, PhotoFrames};
 
 /// `attack photos --json`.
@@ -51,3 +50,6 @@ pub fn say_left_out(left_out: &[LeftOutPhoto], out: &mut dyn Write) -> std::io::
     let mut lines = left_out.iter();
     lines.try_for_each(|left| writeln!(out, "left out: {}: {}", left.what, left.reason))
 }
+
+/// Exposures that differ by more cost accuracy, as cameras' tone curves are not sRGB's.
+pub const MOST_GAIN: f64 = 1.2;

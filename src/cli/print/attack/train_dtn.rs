@@ -6,7 +6,6 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::cli::args::attack::train_dtn::TrainArgs;
-use crate::cli::commands::attack::train_dtn::thinned;
 use scaleproof_core::spelling::count;
 use scaleproof_frames::surrogate::dtn::data::TrainingSet;
 use scaleproof_frames::surrogate::dtn::training::{Trainer, TrainingProgress};
@@ -44,4 +43,11 @@ pub fn table(args: &TrainArgs, trainer: &Trainer, set: &TrainingSet) -> String {
         text += &format!("{:>8} {:>9.1} {:>8.4} {mse:>15}\n", p.step, p.seconds, p.loss);
     }
     text + &args.output.display().to_string()
+}
+
+/// At most about ten lines, the last among them.
+pub fn thinned<T>(all: &[T]) -> impl Iterator<Item = &T> {
+    let every = all.len().div_ceil(10).max(1);
+    let skip = (all.len() + every - 1) % every;
+    all.iter().skip(skip).step_by(every)
 }
