@@ -141,7 +141,9 @@ impl GuidedRequest {
         };
         let is_stream = source.as_ref().is_some_and(|source| source.is_stream());
         let judge = Judge::new(&scene, TagDetectorChoice::default(), is_stream)?;
-        let page = self.page.map(|page| Page::open(page.port, page.lan, &self.folder, hurry));
+        let page = self
+            .page
+            .map(|page| Page::open(page.port, page.lan, &self.folder, hurry));
         Ok(OpenedCapture {
             page: page.transpose()?,
             request: self,

@@ -3,6 +3,6 @@
 mod read; // a model from its mesh's file, with what is known of it
 pub mod vehicle; // usual lengths of vehicles, and how they lie
 
-pub use read::{Model, ModelError, ModelRequest, PaintedMesh, painted};
 #[cfg(feature = "full")]
 pub use read::Reduction;
+pub use read::{Model, ModelError, ModelRequest, PaintedMesh, painted};

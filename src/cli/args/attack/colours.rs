@@ -2,8 +2,6 @@
 
 use std::path::PathBuf;
 
-use rand::RngExt;
-
 /// Make further flat colours of rendered views, without rendering: light adds up
 #[derive(clap::Args)]
 pub struct ColoursArgs {

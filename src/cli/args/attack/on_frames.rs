@@ -7,7 +7,6 @@ use crate::cli::choice::one_of;
 use crate::cli::detectors::Folder;
 use crate::cli::results::Programs;
 use scaleproof_attack::run::view_set::TextureMapping;
-use scaleproof_gradients::WhiteBox;
 use scaleproof_pose::scene::Classes;
 use scaleproof_surface::pattern::MAX_CELLS;
 

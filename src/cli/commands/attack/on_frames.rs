@@ -14,7 +14,6 @@ use scaleproof_attack::run::view_set::TextureMapping;
 use scaleproof_attack::run::{AttackConfig, Rgb, of_pattern};
 use scaleproof_attack::setup::Setup;
 use scaleproof_core::spelling::quoted;
-use scaleproof_gradients::WhiteBox;
 use scaleproof_surface::pattern::Pattern;
 
 impl OnFrames {

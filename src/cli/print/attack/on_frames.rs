@@ -10,7 +10,6 @@ use scaleproof_attack::run::judge::HeldOutFigures;
 use scaleproof_attack::run::view_set::ENOUGH_HELD_OUT;
 use scaleproof_attack::setup::Setup;
 use scaleproof_core::spelling::count;
-use scaleproof_gradients::WhiteBox;
 use scaleproof_photo::defence::Defence;
 use scaleproof_pose::scene::Classes;
 
