@@ -292,7 +292,7 @@ const ONE_PLACE: [(&str, &[&str]); 7] = [
     ("process::exit", &["src/cli/"]),
     ("set_hook(", &[]),
     // A QR code is drawn with the colours that phones need.
-    ("eprintln!", &["src/cli/full/capture/page.rs"]),
+    ("eprintln!", &["src/cli/print/capture.rs"]),
     (" println!", &[]),
     // Every image is measured before it is decoded: those of a stream by their headers; this one the program has made itself.
     ("ImageReader", &["crates/capture/src/source/live/pixels.rs"]),

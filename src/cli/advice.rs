@@ -11,7 +11,6 @@ use scaleproof_print::output::OutputError;
 use scaleproof_print::paint::PaintError;
 use scaleproof_print::tags::{Instead, TagPrintError};
 use scaleproof_print::template::TemplateError;
-use scaleproof_print::wrap::WrapError;
 use scaleproof_score::{CompareError, ScoreError};
 use scaleproof_surface::mesh::MeshError;
 use scaleproof_surface::pattern::PatternError;
@@ -67,8 +66,6 @@ pub(super) fn on(error: &(dyn Error + 'static)) -> Option<String> {
     advice_by_kind! { error,
         ScoreError::Tags(e) => on(e)?,
         CompareError::NoBase { .. } => "name one of these with --base",
-        WrapError::OtherSize { .. } =>
-            "; give --length-mm, or --mesh-front and --mesh-up if the mesh lies otherwise, or correct size_mm of the scene",
         MeshError::NoModel { .. } => " (--length-mm)",
         MeshError::LifeSize { .. } => "; the option is --length-mm",
         PatternError::TooManyCells { path, .. } => to_import(path),

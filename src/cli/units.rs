@@ -1,12 +1,9 @@
 //! Lengths that were probably meant in another unit, or in another order: a note, never a refusal.
 
-use std::ops::RangeInclusive;
-
 use scaleproof_plot::lettering::number;
 use scaleproof_pose::scene::VEHICLES;
+use scaleproof_surface::model::vehicle::{LONGEST_MM, lies_oddly, usual_mm};
 
-/// The longest vehicle on a road, an articulated bus, is 25 m long.
-const LONGEST_VEHICLE_MM: f64 = 25_000.0;
 /// No template is smaller than a stamp.
 const STAMP_MM: f64 = 10.0;
 
@@ -35,7 +32,7 @@ pub(crate) fn template(size_mm: (f64, f64), tile_mm: f64, scale: f64) -> Option<
             "the template of {size} mm is smaller than one repeat of the pattern ({tile} mm): was it in cm? That is {meant}"
         ));
     }
-    (scale > 1.0 && longest * scale > LONGEST_VEHICLE_MM).then(|| {
+    (scale > 1.0 && longest * scale > LONGEST_MM).then(|| {
         let (metres, meant) = (metres(longest * scale), times(1.0 / scale));
         format!(
             "the template of {size} mm covers {metres} of the real thing: is that its full size? At 1:{} it is {meant}",
@@ -50,28 +47,12 @@ pub(crate) fn model(labels: &[String], size_mm: [f64; 3], scale: f64) -> Option<
     doubts.collect::<Option<Vec<String>>>()?.into_iter().next()
 }
 
-/// How a length, width and height are odd for a vehicle that lies as it should.
-pub(crate) fn lies_as_a_vehicle([length, width, height]: [f64; 3]) -> Option<String> {
-    // A box on its side is as good as a box; meshes are not exact.
-    let exceeds = |a: f64, b: f64| a > 1.001 * b;
-    let [length_text, width_text, height_text] = [length, width, height].map(|mm| number(mm.round()));
-    // A wall or a sheet is no vehicle.
-    if width.min(height).min(length) < 0.01 * width.max(height).max(length) {
-        return None;
-    }
-    if exceeds(width, length) {
-        Some(format!("{length_text} mm long and {width_text} mm wide"))
-    } else {
-        exceeds(height, width).then(|| format!("taller ({height_text} mm) than wide ({width_text} mm)"))
-    }
-}
-
 fn model_of(class: &str, size_mm: [f64; 3], scale: f64) -> Option<String> {
     // Buses and lorries are taller than wide.
     let [length, width, height] = size_mm;
     let height = if class == "car" { height } else { height.min(width) };
     if VEHICLES.contains(&class)
-        && let Some(odd) = lies_as_a_vehicle([length, width, height])
+        && let Some(odd) = lies_oddly([length, width, height])
     {
         return Some(format!("the {class} is {odd}: the order is length x width x height"));
     }
@@ -101,16 +82,6 @@ fn model_of(class: &str, size_mm: [f64; 3], scale: f64) -> Option<String> {
         }
         None => format!("{begin}: are --model-size-mm and --scale right?"),
     })
-}
-
-/// How long real ones are.
-pub(super) fn usual_mm(class: &str) -> RangeInclusive<f64> {
-    match class {
-        "car" => 2_000.0..=8_000.0,
-        "truck" | "bus" => 3_000.0..=LONGEST_VEHICLE_MM,
-        // From a cup to a train.
-        _ => 50.0..=500_000.0,
-    }
 }
 
 pub(crate) fn sides(sides: &[f64], between: &str) -> String {

@@ -21,6 +21,8 @@ mod answer; // what became of a frame
 mod capture; // frames judged, and accepted into the session
 mod gates; // what must hold of a frame: tags, pose, focus, light, steadiness
 mod guidance; // views that are required, and the step to the next
+mod guided; // a capture from its request to its end
+mod interruptible; // sources that can be given up while they wait
 pub mod page; // the capture in a browser
 pub mod pair; // another session's viewpoints as required views
 mod recover; // what an interrupted capture left, finished
@@ -33,6 +35,10 @@ pub use answer::{FrameAnswer, FrameLine};
 pub use capture::Capture;
 pub use gates::{FrameJudgement, Judge, MAX_BLUR_PX, MAX_CLIPPED, MAX_MOVED_PX, MAX_WHITE, MIN_WHITE, Measures};
 pub use guidance::{BinName, Guidance, NextMove, Target, Tolerance};
+pub use guided::{
+    CaptureEnd, GuidedCapture, GuidedError, GuidedRequest, OpenedCapture, PageRequest, SourceOptions, ViewsRequest,
+};
+pub use interruptible::OnInterrupt;
 pub use source::{
     CameraSettings, FrameSource, LiveCamera, Original, Replay, SourceError, SourceFrame, SourceName, Watch,
     interrupt_programs, live, stream,

@@ -12,6 +12,7 @@
 //! ```
 
 pub mod mesh; // triangles with materials and texture coordinates, from glTF, OBJ, STL and PLY
+pub mod model; // the model of a scene or of the command line: its mesh, placed, and its paint
 pub mod pattern; // repeated patterns: made, loaded, imported, in paints, as printed
 pub mod texture; // the colour of each point of a surface
 pub mod zbuffer; // the nearest triangle at each pixel

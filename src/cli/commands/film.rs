@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::cli::CommandResult;
 use crate::cli::answer::told;
 use crate::cli::args::film::FilmArgs;
-use crate::cli::full::interrupt::on_interrupt;
+use crate::cli::commands::interrupt::on_interrupt;
 use crate::cli::print::film::{Answer, in_words};
 use scaleproof_film::session::{FilmError, FilmStep};
 use scaleproof_terminal::progress::{self, Progress};

@@ -1,24 +1,5 @@
 //! What only a program with the feature `full` has. Without it, `light.rs` stands here.
 
-mod advise;
-mod attack;
-mod board;
-mod calibrate;
-mod capture;
-mod chart;
-mod fetch;
-pub(super) mod interrupt;
-mod mesh_step;
-mod model;
-mod painted;
-mod patch;
-mod pieces;
-mod survey;
-mod texture;
-mod textures;
-mod vehicle;
-mod wrap;
-
 use std::io::Write;
 
 use clap::Subcommand;
@@ -26,17 +7,19 @@ use clap::Subcommand;
 use super::CommandResult;
 use super::advice::Advise;
 use crate::cli::answer::{Named, Written, named};
+use crate::cli::args::{advise, attack, board, calibrate, capture, chart, fetch, film, patch, survey, textures, wrap};
+use crate::cli::{commands, print};
 
-pub(super) use fetch::download;
-pub(super) use interrupt::{end_programs_first, let_an_interruption_end_first};
-pub(super) use mesh_step::SceneMesh;
+pub(super) use crate::cli::args::mesh_step::SceneMesh;
+pub(super) use commands::fetch::download;
+pub(super) use commands::interrupt::{end_programs_first, let_an_interruption_end_first};
 
 #[derive(Subcommand)]
 pub(super) enum Command {
     Advise(advise::Args),
     /// From frames of a painted model to a pattern that detectors do not see it in
     #[command(subcommand)]
-    Attack(attack::Command),
+    Attack(attack::command::Command),
     Calibrate(calibrate::Args),
     /// Textures as images for simulators, and as previews
     #[command(subcommand)]
@@ -49,17 +32,21 @@ pub(super) enum Command {
 }
 
 /// The advice of each of these commands that has some.
-pub(super) const ADVICE: &[Advise] = &[fetch::advice, survey::advice, wrap::advice];
+pub(super) const ADVICE: &[Advise] = &[
+    commands::fetch::advice,
+    commands::survey::advice,
+    commands::wrap::advice,
+];
 
 pub(super) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
     match command {
-        Command::Advise(args) => advise::run(&args, out),
-        Command::Attack(command) => attack::run(command, out),
-        Command::Calibrate(args) => calibrate::run(args, out),
-        Command::Texture(command) => textures::run(&command, out),
-        Command::Capture(args) => capture::run(args, out),
-        Command::Survey(args) => survey::run(args, out),
-        Command::Chart(command) => chart::run(command, out),
+        Command::Advise(args) => commands::advise::run(&args, out),
+        Command::Attack(command) => commands::attack::command::run(command, out),
+        Command::Calibrate(args) => commands::calibrate::run(args, out),
+        Command::Texture(command) => commands::textures::run(&command, out),
+        Command::Capture(args) => commands::capture::run(args, out),
+        Command::Survey(args) => commands::survey::run(args, out),
+        Command::Chart(command) => commands::chart::run(command, out),
     }
 }
 
@@ -74,8 +61,8 @@ pub(super) enum OnModelCommand {
 
 pub(super) fn print_on_model(command: OnModelCommand, out: &mut dyn Write) -> CommandResult {
     match command {
-        OnModelCommand::Wrap(args) => wrap::run(&args, out),
-        OnModelCommand::Patch(args) => patch::run(&args, out),
+        OnModelCommand::Wrap(args) => commands::wrap::run(&args, out),
+        OnModelCommand::Patch(args) => commands::patch::run(&args, out),
     }
 }
 
@@ -88,18 +75,18 @@ pub(super) enum PrintCommand {
 
 pub(super) fn print(command: PrintCommand, out: &mut dyn Write) -> CommandResult {
     let PrintCommand::Board(args) = command;
-    board::run(&args, out)
+    commands::board::run(&args, out)
 }
 
 /// More of `scaleproof session …`.
 #[derive(Subcommand)]
 pub(super) enum SessionCommand {
-    FromVideo(crate::cli::args::film::FilmArgs),
+    FromVideo(film::FilmArgs),
 }
 
 pub(super) fn session(command: SessionCommand, out: &mut dyn Write) -> CommandResult {
     let SessionCommand::FromVideo(args) = command;
-    crate::cli::commands::film::run(&args, out)
+    commands::film::run(&args, out)
 }
 
 /// More of `scaleproof detectors …`.
@@ -110,27 +97,27 @@ pub(super) enum DetectorsCommand {
 
 pub(super) fn detectors(command: DetectorsCommand, out: &mut dyn Write) -> CommandResult {
     let DetectorsCommand::Fetch(args) = command;
-    fetch::run(args, out)
+    commands::fetch::run(args, out)
 }
 
 pub(super) fn schemas() -> Vec<Named> {
     let mut all = vec![
         named::<scaleproof_study::advise::Advice>("advice"),
         named::<scaleproof_rig::calibrate::CalibrationAnswer>("calibrate"),
-        named::<capture::Line>("capture"),
-        named::<capture::Cameras>("capture-list-cameras"),
-        named::<fetch::Fetched>("detectors-fetch"),
-        named::<Written<board::Answer>>("print-board"),
-        named::<Written<patch::Answer>>("print-patch"),
-        named::<Written<pieces::PiecesAnswer>>("print-wrap"),
-        named::<Written<painted::Answer>>("print-wrap-paints"),
-        named::<Written<wrap::PanelsAnswer>>("print-wrap-panels"),
-        named::<survey::SurveyJson>("survey"),
-        named::<crate::cli::print::film::Answer>("session-from-video"),
-        named::<Written<textures::Baked>>("texture-bake"),
-        named::<Written<textures::Shown>>("texture-show"),
+        named::<print::capture::Line>("capture"),
+        named::<print::capture::Cameras>("capture-list-cameras"),
+        named::<print::fetch::Fetched>("detectors-fetch"),
+        named::<Written<print::board::Answer>>("print-board"),
+        named::<Written<print::patch::Answer>>("print-patch"),
+        named::<Written<print::pieces::PiecesAnswer>>("print-wrap"),
+        named::<Written<print::painted::Answer>>("print-wrap-paints"),
+        named::<Written<print::wrap::PanelsAnswer>>("print-wrap-panels"),
+        named::<print::survey::SurveyJson>("survey"),
+        named::<print::film::Answer>("session-from-video"),
+        named::<Written<print::textures::Baked>>("texture-bake"),
+        named::<Written<print::textures::Shown>>("texture-show"),
     ];
-    all.extend(attack::schemas());
-    all.extend(chart::schemas());
+    all.extend(commands::attack::command::schemas());
+    all.extend(commands::chart::schemas());
     all
 }

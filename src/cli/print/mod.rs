@@ -1,13 +1,33 @@
 //! `scaleproof print`: sheets for the printer.
 
+#[cfg(feature = "full")]
+pub mod attack;
+#[cfg(feature = "full")]
+pub mod board;
+#[cfg(feature = "full")]
+pub mod capture;
 mod chart;
 mod check;
 #[cfg(feature = "full")]
+pub mod fetch;
+#[cfg(feature = "full")]
 pub mod film;
 pub(super) mod paint;
+#[cfg(feature = "full")]
+pub mod painted;
+#[cfg(feature = "full")]
+pub mod patch;
+#[cfg(feature = "full")]
+pub mod pieces;
+#[cfg(feature = "full")]
+pub mod survey;
 mod tags;
 pub(crate) mod template;
+#[cfg(feature = "full")]
+pub mod textures;
 mod verify;
+#[cfg(feature = "full")]
+pub mod wrap;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -20,23 +20,3 @@ pub use request::{BLEED_MM, WrapError, WrapRequest};
 pub use draw::{CUT_ROOM_MM, EDGE_DASH_MM, EDGE_LINE_MM, cut_line, cutter_path, moved, wrap};
 pub use panel::{Face, PRINTED, PaintedSurface, Panel};
 pub use region::{Contour, Region, corners};
-
-use scaleproof_plot::lettering::number;
-use scaleproof_surface::mesh::Mesh;
-
-/// Maximum difference between mesh and scene, as a share of a side.
-const SIZE_TOLERANCE: f64 = 0.03;
-
-/// Returns an error if the mesh differs in size from the scene.
-pub fn check_size(mesh: &Mesh, scene_mm: [f64; 3]) -> Result<(), WrapError> {
-    let mesh_mm = mesh.size_mm();
-    let differs = |(a, b): (f64, f64)| (a - b).abs() > SIZE_TOLERANCE * b;
-    if mesh_mm.into_iter().zip(scene_mm).any(differs) {
-        let text = |size: [f64; 3]| size.map(|mm| number((mm * 10.0).round() / 10.0)).join(" × ");
-        return Err(WrapError::OtherSize {
-            mesh_mm: text(mesh_mm),
-            scene_mm: text(scene_mm),
-        });
-    }
-    Ok(())
-}

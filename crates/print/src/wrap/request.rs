@@ -21,8 +21,6 @@ pub enum WrapError {
     Template(#[from] TemplateError),
     #[error(transparent)]
     Raster(#[from] RasterError),
-    #[error("the mesh is {mesh_mm} mm (length × width × height) but the scene's model is {scene_mm} mm")]
-    OtherSize { mesh_mm: String, scene_mm: String },
     #[error(
         "the paint has no surface on any of the five sides; name other materials, or check which way up the mesh is"
     )]

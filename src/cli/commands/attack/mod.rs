@@ -1,0 +1,14 @@
+pub mod baseline;
+pub mod chart;
+pub mod colours;
+pub mod command;
+pub mod demo;
+pub mod evaluate;
+pub mod history;
+pub mod import;
+pub mod judge;
+pub mod on_frames;
+pub mod photos;
+pub mod render;
+pub mod run;
+pub mod train_dtn;
