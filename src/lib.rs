@@ -69,6 +69,6 @@ pub fn main(arguments: &[std::ffi::OsString]) -> u8 {
     cli::main(arguments)
 }
 
-/// What the Python module takes of the program.
+/// Functions of the program that the Python module calls.
 #[doc(hidden)]
 pub use cli::in_process;

@@ -1,4 +1,4 @@
-//! What to do about an error: the library says what is wrong, and the program knows its options.
+//! Advice on errors: the library says what is wrong, and the program, which knows its options, what to do.
 
 use std::error::Error;
 use std::ffi::OsStr;

@@ -1,4 +1,4 @@
-//! What `--json` prints. Every answer is a type whose JSON Schema is in `docs/schema` (`scaleproof schemas`).
+//! Answers of `--json`. Every answer is a type whose JSON Schema is in `docs/schema` (`scaleproof schemas`).
 
 use std::fmt::Display;
 use std::io::Write;

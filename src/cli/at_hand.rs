@@ -1,4 +1,4 @@
-//! Which detectors a run evaluates: those that are named, else those at hand. Others are named in a note.
+//! Detectors that a run evaluates: those that are named, else those at hand. A note names the others.
 
 use std::collections::BTreeSet;
 use std::path::Path;

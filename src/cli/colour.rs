@@ -60,7 +60,7 @@ pub(in crate::cli) struct Answer<'a> {
 pub(crate) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
     let Command::Read(mut args) = command;
     args.photos = photos::of(&args.photos)?;
-    // What is there must be a printer file, or it would be lost.
+    // A file that is there already must be a printer file, or it would be lost.
     let there = args.output.as_deref().filter(|path| path.exists());
     there.iter().for_each(|path| files::inputs::own(path));
     let old = there.map(PrinterFile::load).transpose()?;

@@ -98,7 +98,7 @@ fn checked_base(named: Option<&str>, sessions: &[Session]) -> Result<String> {
     }
 }
 
-/// Where photos of a variant were taken.
+/// Returns the places at which photos of a variant were taken.
 fn places<'a>(variant: &str, sessions: &'a [Session]) -> BTreeSet<&'a str> {
     let photos = sessions
         .iter()

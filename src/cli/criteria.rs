@@ -1,4 +1,4 @@
-//! What figures mean, as `score`, `merge` and `compare` are told: definitions, thresholds, protocols, the base and groups.
+//! Arguments of `score`, `merge` and `compare` that say what figures mean: definitions, thresholds, protocols, the base and groups.
 
 use super::choice::completing;
 use scaleproof_detect::SCORE_FLOOR;

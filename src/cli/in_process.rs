@@ -18,14 +18,14 @@ use scaleproof_pose::locate::LocatedPhoto;
 use scaleproof_score as score;
 use scaleproof_score::{EvaluatedDetector, Scores};
 
-/// What a command printed, and how it ended.
+/// Output of a command, and how it ended.
 #[derive(Debug)]
 pub struct Ran {
-    /// What goes to standard output.
+    /// Bytes for standard output.
     pub printed: Vec<u8>,
     /// The sentence on what was wrong.
     pub error: Option<String>,
-    /// Whether some input was bad while other answers could be given.
+    /// True if some input was bad while other answers could be given.
     pub is_some_input_bad: bool,
 }
 
@@ -68,7 +68,7 @@ fn words(arguments: &[String]) -> std::result::Result<Vec<OsString>, String> {
     }
 }
 
-/// What `locate --json` prints of a photo that a path or another name stands for.
+/// Returns the line of `locate --json` about a photo that a path or another name stands for.
 ///
 /// # Errors
 /// Figures that JSON has no words for.
@@ -93,7 +93,7 @@ struct Scoring {
     effort: score_command::Effort,
 }
 
-/// Who watches a scoring run.
+/// Callbacks of a scoring run, and the flag that ends it.
 pub struct Watch<'a> {
     /// Told how many photos there are, before the first is looked at.
     pub begins: &'a (dyn Fn(usize) + Sync),
@@ -107,7 +107,7 @@ pub struct Watch<'a> {
 /// are taken that are not named.
 ///
 /// # Errors
-/// What the program would say, as a sentence.
+/// The sentence that the program would print.
 pub fn scored(
     arguments: &[String],
     functions: Vec<CalledDetector>,

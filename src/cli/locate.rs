@@ -93,7 +93,7 @@ pub(in crate::cli) struct OutputLine {
     cautions: Vec<String>,
 }
 
-/// What was found in a photo, or why it cannot be read.
+/// Result of one photo, or the reason why it cannot be read.
 type PhotoAnswer = Result<LocatedPhoto, PhotoError>;
 
 /// Photos, each with what was found.
@@ -140,7 +140,7 @@ pub(super) fn run(mut args: Args, out: &mut dyn Write) -> CommandResult {
     })
 }
 
-/// How many photos of a session are located; the answers go into `table`, where there is one, and what there is to know of them to standard error.
+/// Locates the photos of a session and returns how many have a pose. With `table`, writes the answers into it and explains them on standard error.
 pub(super) fn count_located(session: &Session, table: Option<&mut dyn Write>) -> Result<usize> {
     let photos: Vec<PathBuf> = session.photos.iter().map(|p| session.photo_path(p)).collect();
     let answers = locate_all(
@@ -200,7 +200,7 @@ fn code(answer: &PhotoAnswer) -> Option<&'static str> {
     }
 }
 
-/// Whether the photos without a pose are reported together: they have one cause, or no photo has a pose and all lack it for one reason.
+/// Returns true if the photos without a pose are reported together: they have one cause, or no photo has a pose and all lack it for one reason.
 fn is_alike(answers: &Answered, has_cause: bool) -> bool {
     let codes: BTreeSet<Option<&str>> = answers.iter().map(|(_, answer)| code(answer)).collect();
     abstained(answers).count() > MOST_LISTED && (has_cause || codes.len() == 1)
@@ -266,7 +266,7 @@ fn explain(answers: &Answered, alike: bool) {
     cautions.iter().for_each(|caution| say!("note: {caution}"));
 }
 
-/// What is wrong with files names them already. Of many that are wrong in one way, the first is named.
+/// Prints the errors of photos that cannot be read, which name their files. Of many errors of one kind, prints the first and the number of the others.
 fn unreadable(answers: &Answered) {
     let errors: Vec<&PhotoError> = answers.iter().filter_map(|(_, answer)| answer.as_ref().err()).collect();
     let kinds: Vec<_> = errors.iter().map(|e| std::mem::discriminant(*e)).collect();

@@ -7,7 +7,7 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 use scaleproof_core::spelling;
 
-/// What was wrong with the arguments, without the usage that clap adds below.
+/// Returns what was wrong with the arguments, without the usage that clap adds below.
 pub(super) fn sentence(e: &clap::Error, whole: &Command, arguments: &[OsString]) -> String {
     let command = named(whole, arguments);
     let text = |kind| match e.get(kind) {
@@ -96,7 +96,7 @@ fn option(e: &clap::Error, whole: &Command, arguments: &[OsString]) -> Option<St
     (near.len() <= 2).then(|| near.join(" or "))
 }
 
-/// What a number looks like, by what was meant where that is plain.
+/// Returns the advice on a number that cannot be read: the number that was meant where that is plain, else an example.
 fn number_instead(given: &str, option: &str) -> String {
     let number = |text: &str| text.trim_end().parse::<f64>().ok();
     let degrees = given
@@ -157,7 +157,7 @@ fn first_paragraph(message: &str) -> String {
     sentence.strip_prefix("error: ").unwrap_or(&sentence).to_owned()
 }
 
-/// Whether only builds with the feature `full` have a command.
+/// Returns true if this build lacks a command that builds with the feature `full` have.
 fn left_out(name: &str) -> bool {
     let full = ["attack", "calibrate", "capture", "chart", "survey"];
     !cfg!(feature = "full") && full.contains(&name)

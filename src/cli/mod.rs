@@ -104,7 +104,7 @@ enum Command {
 /// Advice on errors that only a program with these features meets.
 const MORE_ADVICE: &[advice::Advise] = full::ADVICE;
 
-/// What a finished command says to the shell.
+/// Outcome of a finished command, which decides the exit code.
 enum Outcome {
     Done,
     /// The answers that could be given were given, but some input was bad: exit code 2.

@@ -9,13 +9,13 @@ use scaleproof_core::files;
 /// Options that name an output.
 const OUTPUTS: [&str; 3] = ["output", "report", "definition"];
 
-/// What the help calls an output that is a folder.
+/// Value names in the help of outputs that are folders.
 const FOLDERS: [&str; 2] = ["DIR", "SESSION"];
 
-/// What outputs of one format may end in, by what the help calls them. Commands that write several formats choose by the ending themselves.
+/// Endings of outputs that have one format, by their value name in the help. Commands that write several formats choose by the ending themselves.
 const ENDINGS: [(&str, &[&str]); 3] = [("PNG", &["png"]), ("HTML", &["html", "htm"]), ("SVG", &["svg"])];
 
-/// Whether the command that was given, one of `whole`, writes to standard output.
+/// Returns true if the given command, one of `whole`, writes to standard output.
 ///
 /// # Errors
 /// A folder, or more than one file, cannot go there; an output is named as another format than it has; a sentence.

@@ -1,4 +1,4 @@
-//! Which file this code runs from, since results that are kept depend on it, and whether it is the program's own.
+//! The file that this code runs from, on which cached results depend: the program's own, or that of a module in another program.
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -17,7 +17,7 @@ pub fn begin(module: &Path) -> std::result::Result<(), String> {
 
 static MODULE: OnceLock<String> = OnceLock::new();
 
-/// Whether this code runs inside another program, whose process goes on after an interruption.
+/// Returns true if this code runs inside another program, whose process goes on after an interruption.
 pub(super) fn is_in_another_program() -> bool {
     MODULE.get().is_some()
 }

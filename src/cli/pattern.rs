@@ -150,7 +150,7 @@ fn run_import(args: &ImportArgs, out: &mut dyn Write) -> CommandResult {
     let image = args.image.display();
     let pattern = match (&args.cells, enlarged) {
         (None, Some(pattern)) => pattern,
-        // What programs keep as an array are its cells.
+        // The colours of an array file are its cells.
         (None, None) if args.image.extension().is_some_and(|ending| ending == "npy") => {
             in_cells(&picture, picture.pixels.dimensions().into())?
         }

@@ -220,7 +220,7 @@ fn in_words(planned: &Planned, views_seen: usize) -> String {
     words
 }
 
-/// What becomes of the sequential plan, by the real drop.
+/// Returns the outcomes of the sequential plan as a table, a row for each real drop.
 fn table(plan: &SequentialPlan) -> String {
     let least = plan.least.map_or_else(String::new, |least| format!("below {least:<7}"));
     let mut words = format!("\n\nreal drop  drop shown  rise shown  {least}undecided  mean views");

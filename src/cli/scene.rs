@@ -183,7 +183,7 @@ fn new(args: NewArgs, out: &mut dyn Write) -> CommandResult {
         .scene()?,
     };
     let text = scene.to_toml();
-    // What is written can be read.
+    // Only a scene that can be read is written.
     Scene::parse(&text, path)?;
     let mut files = vec![(path.clone(), text.into_bytes())];
     files.extend(preview);

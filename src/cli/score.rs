@@ -210,7 +210,7 @@ pub(super) fn run(args: Args, out: &mut dyn Write) -> CommandResult {
     show(&scores, speeds.as_ref(), &page, &args.telling, out)
 }
 
-/// What a scoring run says when its report is written.
+/// Prints the results of a scoring run whose report is written.
 pub(super) fn show(
     scores: &Scores,
     speeds: Option<&Speeds>,
@@ -230,7 +230,7 @@ pub(super) fn show(
     conclude(scores, page, telling, out)
 }
 
-/// What follows a table: the notes on it, and the page that says the rest.
+/// Prints what follows a table: the notes on it, and the path of the report's page.
 pub(super) fn conclude(scores: &Scores, page: &Path, telling: &Telling, out: &mut dyn Write) -> CommandResult {
     out.flush()?;
     if telling.all {
@@ -297,7 +297,7 @@ fn defended(scores: &Scores, defences: &[Defending], options: &Options) -> Resul
     defended
 }
 
-/// What to know of photos that were changed; `None` where no drop could be followed on them.
+/// Prints the cautions about photos that were changed; `None` where no drop could be followed on them.
 fn say_cautions(cautions: Option<&[String]>, changed: &str) {
     match cautions {
         None => say!("note: no photos pair, so that there is no drop to follow on photos that are {changed}"),

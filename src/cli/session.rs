@@ -36,7 +36,7 @@ pub(super) fn run(command: Command, out: &mut dyn Write) -> CommandResult {
     }
 }
 
-/// How many photos each texture has.
+/// Returns the number of photos of each texture.
 pub(super) fn by_variant<'a>(photos: impl Iterator<Item = &'a str>) -> BTreeMap<&'a str, usize> {
     let mut variants = BTreeMap::new();
     for variant in photos {

@@ -1,4 +1,4 @@
-//! Which photos a command is about: those of stored sessions, or of folders with one texture each.
+//! Photos that a command is about: those of stored sessions, or of folders with one texture each.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use scaleproof_core::spelling::quoted;
 use scaleproof_session::folders::{self, Gathered, Listing, PhotoFolder};
 use scaleproof_session::{Session, SessionError};
 
-/// Where photos were taken when nobody says.
+/// Name of the place of photos where none is given.
 const PLACE: &str = "here";
 
 /// Sessions, or folders of photos.
@@ -249,7 +249,7 @@ pub(super) fn session(place: &Path) -> Result<Session> {
     Session::open(place).map_err(|e: SessionError| e.into())
 }
 
-/// What to do with a folder that is no session.
+/// Returns the sentence on a folder that is no session, with what to give instead.
 fn no_session(folder: &Path) -> Result<String> {
     let (name, listing) = (folder.display(), Listing::of(folder)?);
     let photos = |inner: &String| Listing::of(&folder.join(inner)).is_ok_and(|found| !found.photos.is_empty());

@@ -8,7 +8,7 @@ use crate::cli::args::model::ModelArgs;
 use crate::cli::args::patch::PlaceArgs;
 use crate::cli::args::texture::TextureArgs;
 
-/// What has no colour of its own in a preview.
+/// Colour of materials without an image in a preview.
 pub const GREY: [u8; 3] = [96; 3];
 
 /// Below patches alone.

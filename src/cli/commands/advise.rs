@@ -72,13 +72,13 @@ fn check(args: &Args, session: &Session) -> Result<()> {
     Ok(())
 }
 
-/// Whether detections are looked at.
+/// Returns true if detectors or stored detections are given.
 fn looks(args: &Args) -> bool {
     let given = &args.detectors;
     !given.names.is_empty() || given.recorded || given.results.are_given()
 }
 
-/// What the findings depend on; none where no detector looks.
+/// Compares the findings by every definition of AP, and by the box instead of the model's outline; `None` without detections.
 fn figures(args: &Args, session: &Session) -> Result<Option<FigureAdvice>> {
     if !looks(args) {
         return Ok(None);

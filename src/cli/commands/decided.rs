@@ -61,7 +61,7 @@ impl DecidedArgs {
     }
 }
 
-/// Whether two textures differ, asked of a session that grows.
+/// Sequential test of whether two textures differ, on a session that grows.
 pub struct Question {
     folder: PathBuf,
     variant: String,

@@ -51,7 +51,7 @@ fn for_output(mut scene: Scene, args: &Args) -> std::io::Result<Scene> {
     Ok(scene)
 }
 
-/// What to do about an error of the library, or about a tag that is left out.
+/// Returns the advice on an error of the library, or on a tag that is left out.
 pub fn advice(error: &(dyn Error + 'static)) -> Option<String> {
     advice_by_kind! { error,
         LeftOutReason::NoSize => "name it in --sizes",

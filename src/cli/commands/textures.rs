@@ -106,7 +106,7 @@ fn run_show(args: &ShowArgs, out: &mut dyn Write) -> CommandResult {
     told(args.json, written(&files, facts), words, out)
 }
 
-/// What is not paint: as the mesh's file has it, one texture for all; where a material has no image, a texture for each material, grey for these.
+/// Returns the textures of what is not paint, from the mesh's file: one for all; if a material has no image, one for each material, grey for these.
 fn rest(model: &Model) -> Vec<Texture> {
     let images = |materials: &[usize]| {
         MappedImages::from_mesh(&model.mesh, materials).map(|mapped| Texture::Images(mapped.images))

@@ -112,7 +112,7 @@ pub(super) fn run(mut args: Args, out: &mut dyn Write) -> CommandResult {
     Ok(Outcome::Done)
 }
 
-/// What looks at photos.
+/// Detector of photos: a network or a program.
 enum Looker<'a> {
     Network(&'a WithWeights),
     Program(&'a ProgramDetector),

@@ -1,4 +1,4 @@
-//! What only a program with the feature `full` has. Without it, `light.rs` stands here.
+//! Commands of programs with the feature `full`. Without it, `light.rs` stands here.
 
 use std::io::Write;
 

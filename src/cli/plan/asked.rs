@@ -1,4 +1,4 @@
-//! What is planned for: the question, and how many directions a place has.
+//! Question that a plan answers, and the number of directions of a place.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use crate::cli::results::Results;
 use scaleproof_pose::scene::{NoSuchBin, Scene, Viewpoint};
 use scaleproof_score::{Observed, PlanError, Question, Spread};
 
-/// What is planned for where nothing else is said.
+/// Defaults of a plan: the drop, the number of detectors and that of directions of a place.
 const DROP: f64 = 0.2;
 const DETECTORS: usize = 5;
 const DIRECTIONS: usize = 8;
@@ -92,7 +92,7 @@ impl Args {
         })
     }
 
-    /// What the stored detections of a session say, and its scene.
+    /// Returns the properties of a session's stored detections that a plan needs, and the session's scene.
     fn observed(&self, session: &Path) -> Result<(Observed, Scene)> {
         let sessions = vec![sessions::session(session)?];
         let base = criteria::base_of(None, &sessions).to_owned();

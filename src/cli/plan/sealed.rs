@@ -146,7 +146,7 @@ fn textures(given: &[String], base: &str) -> Result<BTreeMap<String, Option<Stri
     Ok(textures)
 }
 
-/// What the experiment is to show, and the places that this takes.
+/// Returns the effect that the experiment is to show, with the number of places that it needs.
 fn aim(args: &Args, plan: &SealedPlan) -> Result<Aim> {
     let (views, textures) = (plan.views.len(), plan.textures.len() - 1);
     let question = args.asked_of(plan.detectors.len(), textures)?;

@@ -108,7 +108,7 @@ impl TerminalLog<'_> {
         }
     }
 
-    /// What became of a frame; `is_filmed` by a browser, many times a second.
+    /// Prints what became of a frame; `is_filmed` by a browser, many times a second.
     fn seen(&mut self, frame: &str, answer: &FrameAnswer, guidance: &Guidance, is_filmed: bool) -> io::Result<()> {
         let is_stream = self.is_stream || is_filmed;
         for caution in answer.cautions.iter().filter(|caution| self.said.is_new(caution)) {
@@ -123,7 +123,7 @@ impl TerminalLog<'_> {
         self.out.flush()
     }
 
-    /// What the pairs say so far, and where to go next.
+    /// Prints the interim result of the pairs, and the view to take next.
     pub fn standing(&mut self, pairs: &PairsSoFar, guidance: &Guidance) -> io::Result<()> {
         let next = pairs.next.filter(|_| !pairs.is_decided);
         let next = next.map(|next| &guidance.targets()[next]);
@@ -152,7 +152,7 @@ impl TerminalLog<'_> {
     }
 }
 
-/// What was said already: twenty frames a second would not be read.
+/// Cautions and advice that were printed already: nobody could read twenty lines a second.
 #[derive(Default)]
 struct SaidSoFar {
     cautions: BTreeSet<String>,

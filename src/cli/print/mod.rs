@@ -143,7 +143,7 @@ pub(in crate::cli) fn tile_mm(given: Option<f64>, path: &Path, pattern: &Pattern
     found.map_err(|error| card_fault(&error))
 }
 
-/// What is wrong with a pattern's card, and what to do.
+/// Returns the sentence on a faulty or missing card of a pattern, and what to do.
 pub(in crate::cli) fn card_fault(error: &CardError) -> String {
     match error {
         CardError::None { .. } => format!("{error}: give --tile-mm"),

@@ -37,7 +37,7 @@ pub(crate) struct PaintArgs {
     mirror: bool,
 }
 
-/// How the paints are found, and what their stencils must hold.
+/// Settings of the paints and of their stencils.
 pub(crate) struct Paints {
     /// From a palette, else so many.
     palette: Option<Palette>,

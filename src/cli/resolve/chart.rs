@@ -1,4 +1,4 @@
-//! What `chart` is asked for.
+//! Photos and output files of `chart`, resolved from its arguments.
 
 use std::io::Write;
 

@@ -1,4 +1,4 @@
-//! What `scene new --mesh` is asked for.
+//! Model of `scene new --mesh`, resolved from its arguments and the mesh.
 
 use std::path::{Path, PathBuf};
 
@@ -87,7 +87,7 @@ impl SceneMesh {
         })
     }
 
-    /// What is given; else by the shape, which is known of vehicles; else as glTF says.
+    /// Returns the axes as given; else by the shape, which is known of vehicles; else as glTF says.
     pub fn axes(&self, file: &Path, mesh: &Mesh, wanted: &Wanted) -> Result<AxesProposal> {
         let given = [self.mesh_front, self.mesh_up];
         if let [Some(front), Some(up)] = given {
@@ -186,7 +186,7 @@ const UNIT_TOLERANCE: f64 = 1.05;
 /// In mm.
 const UNITS: [(&str, f64); 3] = [("mm", 1.0), ("cm", 10.0), ("metres", 1000.0)];
 
-/// What is to be said about axes that cannot be found.
+/// Returns the error about axes that cannot be found, with the options that say them.
 pub fn question(file: &Path, doubt: Option<AxesDoubt>, wanted: &Wanted) -> String {
     let file = file.display();
     let both = "say it by --mesh-front and --mesh-up, as in --mesh-front +x --mesh-up +z";
@@ -221,7 +221,7 @@ pub fn usual_length(file: &Path, length: f64, wanted: &Wanted) -> Result<f64> {
     }
 }
 
-/// What a unit of the file is, by the mm of the model that it is.
+/// Returns a line on the unit of the file, given its length on the model in mm.
 pub fn unit(mm: f64, scale: f64) -> String {
     let is = |known: f64, mm: f64| (mm / known).max(known / mm) < UNIT_TOLERANCE;
     let of = |mm: f64| UNITS.iter().find(|(_, known)| is(*known, mm)).map(|(name, _)| *name);

@@ -108,7 +108,7 @@ impl ModelArgs {
         given.iter().find_map(|(option, is_given)| is_given.then_some(*option))
     }
 
-    /// How the mesh file lies in the model frame.
+    /// Returns the placement of the mesh file in the model frame.
     fn placement(&self) -> Result<MeshPlacement, MeshError> {
         let axis = |text: &Option<String>| text.as_deref().map(str::parse).transpose();
         Ok(MeshPlacement {

@@ -1,4 +1,4 @@
-//! What `print wrap` is asked for.
+//! Pieces of `print wrap`, resolved from its arguments.
 
 use crate::cli::args::pieces::PiecesArgs;
 use scaleproof_print::wrap::WrapRequest;
@@ -6,7 +6,7 @@ use scaleproof_wrap::pieces::PiecesRequest;
 use scaleproof_wrap::unwrap::UnwrapRequest;
 
 impl PiecesArgs {
-    /// What is printed of a painted model.
+    /// Returns the request for the printed pieces of a painted model.
     pub fn request(&self, sheets: WrapRequest) -> PiecesRequest {
         let unwrap = UnwrapRequest {
             most_pieces: Some(self.pieces),

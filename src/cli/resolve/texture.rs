@@ -1,4 +1,4 @@
-//! What `--texture` is asked for.
+//! Textures of `--pattern` and `--texture`, loaded for a model.
 
 use std::path::Path;
 
@@ -21,7 +21,7 @@ impl TextureArgs {
         self.pattern.as_deref().or(self.texture.as_deref())
     }
 
-    /// Whether the texture belongs to the triangles of the model as its file has them.
+    /// Returns true if the texture belongs to the triangles of the model as its file has them.
     pub fn is_of_triangles(&self, model: &Model) -> bool {
         let is_of_triangles = |path: &Path| extension(path) == "npy" || (is_mesh(path) && !model.is_of_file(path));
         self.texture.as_deref().is_some_and(is_of_triangles)

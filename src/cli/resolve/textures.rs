@@ -1,4 +1,4 @@
-//! What `texture` is asked for.
+//! Model and texture of `texture`, resolved from its arguments.
 
 use super::patch::{asked, placed};
 use crate::cli::Result;

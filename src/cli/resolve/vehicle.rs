@@ -1,4 +1,4 @@
-//! Whether a mesh is a vehicle of a usual size that stands on its wheels.
+//! Doubts about a mesh: that it lies on its side, or is no vehicle of a usual size.
 
 use crate::cli::units;
 use scaleproof_pose::scene::Classes;

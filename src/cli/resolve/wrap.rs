@@ -1,4 +1,4 @@
-//! What `print wrap` is asked for.
+//! Sheets of `print wrap`, resolved from its arguments.
 
 use crate::cli::Result;
 use crate::cli::args::wrap::{DPI, OVERLAP_MM, SheetArgs};

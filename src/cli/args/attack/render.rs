@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use crate::cli::args::model::ModelArgs;
 use scaleproof_frames::render::ROUGHNESS;
 
-/// What `--mesh` is to commands that render it.
+/// Help of `--mesh` for commands that render the mesh.
 pub const MESH: &str = "The model's surface: .glb, .obj, .stl or .ply; without it, the scene's mesh";
 
 /// Render frames with Blender Cycles: every light × azimuth × pitch × distance × paint

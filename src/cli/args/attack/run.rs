@@ -69,7 +69,7 @@ pub struct RunArgs {
     pub range: Vec<u8>,
 }
 
-/// What `--augment` takes, without the amounts of defences.
+/// Returns the names that `--augment` takes, without the amounts of defences.
 fn augmentations() -> Vec<&'static str> {
     let kinds = Eot::KINDS.iter().map(|(name, _)| *name);
     let mut names: Vec<&str> = kinds.chain(["none"]).collect();

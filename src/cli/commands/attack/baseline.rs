@@ -65,7 +65,7 @@ pub fn finished(method: &str, on: &OnFrames, cells: &[Rgb], out: &mut dyn Write)
     on.write(&setup, (method, cells, vec![judged(judgement)]), None, out)
 }
 
-/// What is found without a search keeps no checkpoint, so one in the folder is another result's.
+/// Refuses a folder with a checkpoint: methods without a search keep none, so that it belongs to another run.
 fn refuse_other_results(on: &OnFrames) -> Result<(), String> {
     let path = on.output.join(checkpoint::FILE);
     if path.exists() {

@@ -22,7 +22,7 @@ pub fn run(args: &EvaluateArgs, out: &mut dyn Write) -> CommandResult {
     let class = args.class()?;
     let (variants, paints, worn) = args.paints(&model)?;
     let evaluation = RenderedSet::new(args.request(model, paints)?, variants.clone())?;
-    // What is missing for the scores is said before the long work.
+    // Faults of the detectors and of the output are reported before the long rendering.
     let detectors = args.detectors(&class)?;
     files::check_writable(&args.output)?;
     let [folder, report] = ["session", "score"].map(|name| args.output.join(name));

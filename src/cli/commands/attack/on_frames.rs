@@ -46,13 +46,13 @@ impl OnFrames {
         told(self.json, made, words, out)
     }
 
-    /// What the detectors make of random cells on the views held out: what any print of such colours does.
+    /// Evaluates a pattern of random cells on the held-out views: the effect of any print of such colours.
     pub fn random(&self, setup: &Setup) -> Result<HeldOutFigures> {
         let cells = of_pattern(&Pattern::random_grid(self.mapping.grid(self.cells()), self.seed)?);
         Ok(judge(&setup.view_set, &setup.detectors, &cells)?)
     }
 
-    /// What to do with a new pattern: a look at every view, also of other frames and by other detectors.
+    /// Returns the line that names the next command for a new pattern: `attack judge` on every view, then printing.
     pub fn next_command(&self, pattern: &Path) -> String {
         let frames: Vec<String> = self
             .frames

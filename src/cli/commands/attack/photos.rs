@@ -100,7 +100,7 @@ fn flats(texts: &[String]) -> Result<Vec<FlatVariant>> {
     }
 }
 
-/// Where the frames will be listed.
+/// Returns the path of the list of frames. Refuses output among the photos, and a session given twice.
 fn check_output(args: &PhotosArgs, sessions: &[Session]) -> Result<PathBuf> {
     let list = new_list(&args.output)?;
     let mut folders = BTreeSet::new();

@@ -32,7 +32,7 @@ fn note_unusable(folder: &Path) -> Result<(), FramesError> {
     Ok(())
 }
 
-/// Where Blender is kept: in the project's `.cache` when `./run` started the program, else in the user's.
+/// Returns the folder that Blender is kept in: the project's `.cache` when `./run` started the program, else the user's.
 pub fn cache() -> PathBuf {
     match scaleproof_core::files::environment::variable("SCALEPROOF_HOME") {
         Some(home) => Path::new(&home).join(".cache"),

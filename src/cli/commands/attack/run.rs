@@ -9,7 +9,7 @@ use scaleproof_attack::run::history::Entry;
 use scaleproof_attack::run::{Attack, AttackConfig, Rgb};
 use scaleproof_attack::setup::Setup;
 
-/// What histories and cards call the attack.
+/// Name of the attack in histories and cards.
 pub const METHOD: &str = "dta";
 
 pub fn run(args: &RunArgs, out: &mut dyn Write) -> CommandResult {

@@ -28,7 +28,7 @@ pub struct CheckedFrames {
     pub size_px: [u32; 2],
 }
 
-/// What a command that wrote frames ends with.
+/// Prints the result of a command that wrote frames.
 pub fn say_frames(list: &Path, frames: usize, json: bool, out: &mut dyn Write) -> CommandResult {
     let words = format!("{}: {}", list.display(), count(frames, "frame"));
     let file = list.to_owned();

@@ -37,7 +37,7 @@ pub struct Made<'a> {
     pub random: Option<HeldOutFigures>,
 }
 
-/// What random cells do, as a line after a line break; and that little is left to learn where they hide the model.
+/// Returns the figures of random cells as a line after a line break; where these hide the model already, it names frames that teach more.
 pub fn beside(random: &HeldOutFigures) -> String {
     let hidden = if random.ap50 < LITTLE_AP {
         "; they hide the model here already: frames in which it is smaller, or in other lights, teach more"
@@ -58,7 +58,7 @@ pub fn undefended(defence: Defence) -> String {
     )
 }
 
-/// What the held-out views say, and that they are predictions: lines, each after a line break.
+/// Returns the figures of the held-out views, said to be predictions: lines, each after a line break.
 pub fn figures_in_words(setup: &Setup, history: &History, class: &Classes) -> String {
     let mut text = String::new();
     if let Some((entry, figures)) = history.last_judged() {

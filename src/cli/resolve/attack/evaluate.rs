@@ -1,4 +1,4 @@
-//! What `attack evaluate` is asked for.
+//! Paints, views and detectors of `attack evaluate`, resolved from its arguments.
 
 use std::path::Path;
 

@@ -8,7 +8,7 @@ use scaleproof_gradients::WhiteBox;
 /// Detectors, and the name and hash of each.
 pub type WhiteBoxes = (Vec<Box<dyn WhiteBox>>, Vec<String>);
 
-/// Where frames will be listed in a folder that has none yet.
+/// Returns the path of the list of frames in a folder that has none yet.
 pub fn new_list(folder: &Path) -> Result<PathBuf, String> {
     let list = folder.join(LIST);
     if list.exists() {

@@ -1,4 +1,4 @@
-//! What `attack history` is asked for.
+//! Results and evaluation of `attack history`, resolved from its arguments.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -15,7 +15,7 @@ use scaleproof_surface::pattern::Pattern;
 use scaleproof_surface::pattern::card::{self, CardError};
 
 impl HistoryArgs {
-    /// What the evaluation says of each run's pattern; nothing without one.
+    /// Returns each run with the figures of its pattern in the evaluation; none without an evaluation.
     pub fn rendered(&self, histories: &[History]) -> Result<Vec<RenderedRun>> {
         let Some(evaluation) = &self.evaluation else {
             return Ok(Vec::new());

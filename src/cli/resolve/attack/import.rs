@@ -1,4 +1,4 @@
-//! What `attack import` is asked for.
+//! Request of `attack import`, resolved from its arguments.
 
 use crate::cli::Result;
 use crate::cli::args::attack::import::ImportArgs;

@@ -1,4 +1,4 @@
-//! What `attack judge` is asked for.
+//! Patterns of `attack judge`, resolved from its arguments.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use scaleproof_surface::pattern::Pattern;
 type ByTile = Vec<(f64, Vec<NamedCells>)>;
 
 impl JudgeArgs {
-    /// What each pattern is called, where it lies, and the pattern.
+    /// Returns each pattern with its name and path.
     pub fn loaded(&self) -> Result<Vec<(String, &Path, Pattern)>> {
         let mut loaded = Vec::<(String, &Path, Pattern)>::new();
         for text in &self.patterns {
@@ -34,7 +34,7 @@ impl JudgeArgs {
         Ok(loaded)
     }
 
-    /// How many cells the patterns have along each side, the plain colour, and the patterns by the width of one repeat: as asked for, else as their
+    /// Returns the number of columns of cells, the plain colour, and the patterns by the width of one repeat: as given, else as their
     /// cards say; those without a card are repeated as the first with one.
     pub fn asked(&self) -> Result<(u32, NamedCells, ByTile)> {
         let loaded = self.loaded()?;

@@ -1,4 +1,4 @@
-//! What `attack run` and `attack baseline` is asked for.
+//! Frames, detectors and pattern of `attack run` and `attack baseline`, resolved from their arguments.
 
 use super::frames::WhiteBoxes;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! What `attack render` is asked for.
+//! Request of `attack render`, resolved from its arguments.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -176,7 +176,7 @@ pub fn options<const N: usize>(given: [(&str, Option<String>); N]) -> String {
     given.map(|(option, value)| format!(" --{option} {value}")).collect()
 }
 
-/// What was said about a mesh besides its file, as arguments again.
+/// Returns the options about a mesh other than its file, as arguments.
 pub fn described(model: &ModelArgs) -> String {
     let material = (!model.material.is_empty()).then(|| model.material.join(" "));
     options([

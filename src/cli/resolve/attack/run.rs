@@ -1,4 +1,4 @@
-//! What `attack run` is asked for.
+//! Settings of `attack run`, resolved from its arguments.
 
 use crate::cli::Result;
 use crate::cli::args::attack::run::{RunArgs, no_augmentation};
@@ -12,7 +12,7 @@ use scaleproof_print::printer::PrinterFile;
 use scaleproof_surface::pattern::palette::{MAX_PAINTS, Palette, PaletteError};
 
 impl RunArgs {
-    /// What the options say; [`Setup::named`] adds the frames and detectors.
+    /// Returns the settings that the options give; [`Setup::named`] adds the frames and detectors.
     pub fn config(&self) -> Result<AttackConfig> {
         for (option, given, range, what) in [
             ("rate", self.rate, 1e-6..=1.0, "number"),
