@@ -175,7 +175,7 @@ impl Photo {
         }
     }
 
-    /// Returns the colours resized as [`opencv_linear`] does the whole photo, computing only the rows it reads; `None` if all would be computed
+    /// Returns the colours resized as [`opencv_linear`](crate::opencv_linear) does the whole photo, computing only the rows it reads; `None` if all would be computed
     /// anyway: for a PNG, a photo that is not upright, or one that is hardly reduced.
     pub fn rgb_opencv_linear(&self, size: [u32; 2]) -> Result<Option<RgbImage>, PhotoError> {
         let is_upright = self.header.orientation == image::metadata::Orientation::NoTransforms;

@@ -7,7 +7,7 @@ use super::fit::View;
 /// A corner of the board, or of a tag of the scene, in a photo.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeenCorner {
-    /// Index into [`Definition::corners_mm`]; of a scene, four times the tag's place in it and the corner.
+    /// Index into [`Definition::corners_mm`](scaleproof_pose::board::Definition::corners_mm); of a scene, four times the tag's place in it and the corner.
     pub id: usize,
     /// Place in the photo; pixel (0, 0) is the centre of the top-left pixel.
     pub px: [f64; 2],

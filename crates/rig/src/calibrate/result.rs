@@ -12,7 +12,7 @@ use scaleproof_pose::camera::Camera;
 #[derive(Debug, Clone)]
 pub struct PhotoResult {
     pub file: String,
-    /// As [`BoardPhoto::turned_deg`].
+    /// As [`turned_deg`](super::board_photo::BoardPhoto::turned_deg).
     pub turned_deg: u32,
     /// Corners in the photo, px, and seen minus projected, px.
     pub corners_px: Vec<[f64; 2]>,
