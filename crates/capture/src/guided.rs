@@ -133,6 +133,8 @@ impl GuidedRequest {
         hurry: impl FnOnce() + Send + 'static,
     ) -> Result<OpenedCapture, GuidedError> {
         self.check_folder()?;
+        // The capture goes on with it, and writes it anew at each photo; whoever looks at it before the capture begins makes it no input.
+        files::inputs::own(&self.folder.join("session.json"));
         let (scene, camera) = (Scene::open(&self.scene)?, Camera::open(&self.camera)?);
         let guidance = self.views.guidance(&scene.bins, note)?;
         let source = match &self.source {
@@ -225,8 +227,6 @@ impl OpenedCapture {
     /// Another run fills the session; one of another scene or camera; files that cannot be written.
     pub fn begin(self) -> Result<GuidedCapture, GuidedError> {
         let (request, camera) = (self.request, self.camera);
-        // The capture goes on with it, and writes it anew at each photo.
-        files::inputs::own(&request.folder.join("session.json"));
         let (variant, place) = (&request.variant, &request.place);
         let store = Store::open(&request.folder, &request.scene, &request.camera, variant)?;
         let is_stream = self.judge.is_stream();

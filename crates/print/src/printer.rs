@@ -80,7 +80,7 @@ impl Printer {
         Ok(Self { x_mm, y_mm })
     }
 
-    /// Returns the printer whose page was printed with the correction `self` and then measured as `again`.
+    /// Returns the printer by two measurements: without a correction (`self`), and of a page printed with that correction (`again`).
     ///
     /// # Errors
     /// As for [`Printer::measured`].

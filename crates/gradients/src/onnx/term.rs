@@ -140,7 +140,7 @@ impl<T: Number> Term<T> {
 /// A larger tensor is no part of a detector: it is refused before it takes memory, which would end the program.
 const MOST_NUMBERS: usize = 1 << 28;
 
-/// Counts the numbers of a tensor of these sides, and refuses too many. A side of 0 makes the others no larger.
+/// Returns the number of elements of a tensor with these sides, or an error above 2²⁸, also where a side of 0 would make the product 0.
 pub(super) fn bounded(sides: impl IntoIterator<Item = usize>) -> Result<usize> {
     let (mut count, mut is_empty) = (1_usize, false);
     for side in sides {

@@ -155,7 +155,7 @@ impl CoefficientSink for [i16] {
     }
 }
 
-/// Doubles the room, up to `most` entries.
+/// Enlarges a buffer with `used` entries to twice its length, at most to `most` entries.
 #[cold]
 fn more_room(values: &mut Vec<u16>, used: usize, most: usize) -> Result<(), JpegError> {
     if used > most {
