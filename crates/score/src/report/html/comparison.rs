@@ -52,7 +52,7 @@ pub fn render(scores: &Scores, comparison: &Comparison) -> String {
 /// Renders every deviation from the plan that was sealed before the photos.
 fn plan(plan: &PlanCheck) -> Markup {
     html! {
-        p { "PairedDifference against the plan " code { (plan.seal) } ": " (paired::deviations(plan)) "." }
+        p { "Held against the plan " code { (plan.seal) } ": " (paired::deviations(plan)) "." }
         @for deviation in &plan.deviations { p.banner { "Deviation: " (deviation) "." } }
     }
 }
