@@ -11,7 +11,7 @@ use scaleproof_print::output::OutputError;
 use scaleproof_print::paint::PaintError;
 use scaleproof_print::tags::{Instead, TagPrintError};
 use scaleproof_print::template::TemplateError;
-use scaleproof_score::{CompareError, ScoreError};
+use scaleproof_score::CompareError;
 use scaleproof_surface::mesh::MeshError;
 use scaleproof_surface::pattern::PatternError;
 use scaleproof_surface::texture::TextureError;
@@ -29,6 +29,7 @@ macro_rules! advice_by_kind {
         None
     }};
 }
+
 /// Returns what is wrong and what to do about it in one sentence, for a list or a file.
 pub(super) fn sentence(error: &(dyn Error + 'static)) -> String {
     match hint(error) {
@@ -64,7 +65,6 @@ fn advised(error: &(dyn Error + 'static)) -> String {
 /// The advice on an error that a program of any features has. Errors that say only what they wrap have none of their own.
 pub(super) fn on(error: &(dyn Error + 'static)) -> Option<String> {
     advice_by_kind! { error,
-        ScoreError::Tags(e) => on(e)?,
         CompareError::NoBase { .. } => "name one of these with --base",
         MeshError::NoModel { .. } => " (--length-mm)",
         MeshError::LifeSize { .. } => "; the option is --length-mm",

@@ -3,11 +3,13 @@
 #[macro_use]
 mod advice;
 mod answer;
+#[cfg(feature = "full")]
 mod args;
 mod at_hand;
 mod camera;
 mod choice;
 mod colour;
+#[cfg(feature = "full")]
 mod commands;
 mod compare;
 mod completions;
@@ -33,6 +35,7 @@ mod patterns;
 mod photos;
 mod plan;
 mod print;
+#[cfg(feature = "full")]
 mod resolve;
 mod results;
 mod scene;

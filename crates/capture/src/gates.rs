@@ -33,8 +33,8 @@ pub const MAX_MOVED_PX: f64 = 2.0;
 /// Maximum number of frames in a row in which tags are searched near the last pose only.
 const MOST_TRACKED: u32 = 10;
 
-/// Of frames in a row in which the fast search finds no pose, every 4th is searched by every means: at once would keep somebody who
-/// points the camera elsewhere waiting.
+/// Interval of frames that are searched by every means while the fast search finds no pose: searching each so would keep somebody who points the
+/// camera elsewhere waiting.
 const UNANSWERED: u32 = 4;
 
 /// Without any tag, an image of this mean grey level or less is dark, of that or more bright.

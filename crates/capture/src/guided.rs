@@ -1,5 +1,5 @@
-//! A guided capture from its request to its end: files are read, source and page opened, the session gone on with, and every frame is
-//! shown to it.
+//! Guided capture from its request to its end: files are read, source and page are opened, the session is opened or made, and every frame is
+//! judged.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ use scaleproof_pose::camera::{Camera, CameraError};
 use scaleproof_pose::scene::{Bins, NoSuchBin, Scene};
 use scaleproof_pose::tags::{StartError, TagDetectorChoice};
 
-/// A capture that is to be begun, or gone on with.
+/// Request for a capture, of a new session or of one that has photos already.
 pub struct GuidedRequest {
     pub scene: PathBuf,
     pub camera: PathBuf,
@@ -63,7 +63,7 @@ pub struct ViewsRequest {
 pub struct PageRequest {
     /// 0 for any free one.
     pub port: u16,
-    /// Whether phones in the local network may join.
+    /// True if phones in the local network may join.
     pub lan: bool,
 }
 
@@ -112,7 +112,7 @@ pub struct GuidedCapture {
     source: Option<Box<dyn FrameSource + Send>>,
 }
 
-/// How a capture ended.
+/// End of a capture.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct CaptureEnd {
     /// The pairs are enough, so that open views are not needed.
@@ -133,7 +133,7 @@ impl GuidedRequest {
         hurry: impl FnOnce() + Send + 'static,
     ) -> Result<OpenedCapture, GuidedError> {
         self.check_folder()?;
-        // The capture goes on with it, and writes it anew at each photo; whoever looks at it before the capture begins makes it no input.
+        // The list of photos is written anew at each photo, so reading it does not make it an input.
         files::inputs::own(&self.folder.join("session.json"));
         let (scene, camera) = (Scene::open(&self.scene)?, Camera::open(&self.camera)?);
         let guidance = self.views.guidance(&scene.bins, note)?;
@@ -257,7 +257,7 @@ impl GuidedCapture {
     /// also the photos of browsers, until somebody finishes. `ask` says what the pairs say so far, `notify` hears of everything that happens.
     ///
     /// # Errors
-    /// As [`Page::follow`].
+    /// The source is gone; a photo cannot be written; the page or its output fails.
     pub fn follow(
         &mut self,
         ask: Option<AskPairs>,

@@ -40,7 +40,7 @@ pub struct FilmRequest {
     /// Part of the video, s.
     pub from_s: f64,
     pub to_s: Option<f64>,
-    /// FrameResult at every Nth frame; by default as leaves about 30 a second.
+    /// Step in frames: every Nth one is looked at; by default the step that leaves about 30 a second.
     pub every: Option<u64>,
     /// PNG instead of JPEG.
     pub png: bool,

@@ -13,7 +13,7 @@ use scaleproof_video::{Frame, Picture};
 
 /// Frames of which the first is searched as a whole and the others are tracked: nothing that tracking believes lasts longer.
 const GROUP: usize = 25;
-/// Of frames in a row without a pose, every 12th is searched by every means.
+/// Interval of frames that are searched by every means while none has a pose.
 const SEARCHED_WELL: u32 = 12;
 
 /// A frame whose luma differs from the last one's by less than this on average, levels, shows the same picture. Encoded again, pictures that are repeated

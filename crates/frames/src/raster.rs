@@ -1,10 +1,13 @@
-//! A small z-buffer: which triangle of a mesh a pinhole camera sees at the centre of each pixel, and how far away.
+//! Surface of a mesh that a pinhole camera sees at the centre of each pixel: which triangle, and how far away.
+
+use std::ops::Range;
 
 use nalgebra::{Point3, Vector3};
 
 use crate::Pinhole;
-use scaleproof_core::geometry::{BoxPx, PlaneTriangle, Rigid};
+use scaleproof_core::geometry::{BoxPx, Rigid};
 use scaleproof_surface::mesh::{Mesh, doubled_area};
+use scaleproof_surface::zbuffer::ZBuffer;
 
 /// Least depth of a corner: nearer, the camera is in the model.
 const NEAREST_MM: f64 = 1.0;
@@ -30,9 +33,8 @@ pub struct Raster<'a> {
     /// `T_camera_model`.
     pose: Rigid,
     pinhole: Pinhole,
-    /// The first column and how many there are, then the rows: of an image, or of a part that reaches beyond it.
-    window: [(i64, usize); 2],
-    hits: Vec<Option<Hit>>,
+    /// Depth (mm) and index of the nearest triangle at each pixel of an image, or of a window that reaches beyond it.
+    nearest: ZBuffer<usize>,
 }
 
 /// Corner of the mesh in an image: pixel and depth (mm).
@@ -70,7 +72,13 @@ impl<'a> Raster<'a> {
     /// Draws an image of this size (width, height; px); `None` when part of the mesh is not before the camera.
     pub fn image(mesh: &'a Mesh, pose: &Rigid, pinhole: &Pinhole, size: [usize; 2]) -> Option<Self> {
         let corners = corners(mesh, pose, pinhole)?;
-        Some(Self::drawn(mesh, &corners, pose, pinhole, size.map(|side| (0, side))))
+        Some(Self::drawn(
+            mesh,
+            &corners,
+            pose,
+            pinhole,
+            size.map(|side| 0..side as i64),
+        ))
     }
 
     /// Draws the whole mesh, also what lies beyond the image, up to its width and height on each side.
@@ -81,60 +89,43 @@ impl<'a> Raster<'a> {
             let (least, most) = (-(size as i64), 2 * size as i64);
             let low = (low.floor() as i64 - MARGIN_PX).clamp(least, most);
             let high = (high.ceil() as i64 + MARGIN_PX).clamp(least, most);
-            (low, (high - low) as usize)
+            low..high
         };
         let window = [span(around.x1, around.x2, size[0]), span(around.y1, around.y2, size[1])];
         Some(Self::drawn(mesh, &corners, pose, pinhole, window))
     }
 
-    fn drawn(mesh: &'a Mesh, corners: &[Corner], pose: &Rigid, pinhole: &Pinhole, window: [(i64, usize); 2]) -> Self {
-        let mut raster = Self {
+    /// Draws the triangles, each where it is the nearest so far: 1/z is linear in the image.
+    fn drawn(
+        mesh: &'a Mesh,
+        corners: &[Corner],
+        pose: &Rigid,
+        pinhole: &Pinhole,
+        [columns, rows]: [Range<i64>; 2],
+    ) -> Self {
+        let mut nearest = ZBuffer::new(columns, rows, 0.0);
+        for (index, triangle) in mesh.triangles().iter().enumerate() {
+            let corners = triangle.corners.map(|corner| corners[corner]);
+            let depth_mm = |shares: [f64; 3]| {
+                let nearness: f64 = shares.iter().zip(corners).map(|(share, (_, z))| share / z).sum();
+                1.0 / nearness
+            };
+            nearest.draw(corners.map(|(pixel, _)| pixel), depth_mm, |_| index);
+        }
+        Self {
             mesh,
             pose: *pose,
             pinhole: *pinhole,
-            window,
-            hits: vec![None; window[0].1 * window[1].1],
-        };
-        for (index, triangle) in mesh.triangles().iter().enumerate() {
-            raster.fill(index, triangle.corners.map(|corner| corners[corner]));
-        }
-        raster
-    }
-
-    /// Draws one triangle where it is the nearest so far: 1/z is linear in the image.
-    fn fill(&mut self, triangle: usize, corners: [Corner; 3]) {
-        let [a, b, c] = corners.map(|(pixel, _)| pixel);
-        let Some(flat) = PlaneTriangle::new([a, b, c]) else {
-            return;
-        };
-        let [(left, width), (top, _)] = self.window;
-        let span = |axis: usize| {
-            let (from, size) = self.window[axis];
-            let (low, high) = (a[axis].min(b[axis]).min(c[axis]), a[axis].max(b[axis]).max(c[axis]));
-            let clamp = |v: f64| v.clamp(from as f64, (from + size as i64) as f64) as i64;
-            clamp(low.ceil())..clamp(high.floor() + 1.0)
-        };
-        for y in span(1) {
-            for x in span(0) {
-                let Some(shares) = flat.barycentric([x as f64, y as f64]) else {
-                    continue;
-                };
-                let nearness: f64 = shares.iter().zip(corners).map(|(share, (_, z))| share / z).sum();
-                let depth_mm = 1.0 / nearness;
-                let hit = &mut self.hits[(y - top) as usize * width + (x - left) as usize];
-                if hit.is_none_or(|h| depth_mm < h.depth_mm) {
-                    *hit = Some(Hit { depth_mm, triangle });
-                }
-            }
+            nearest,
         }
     }
 
     /// Returns the surface at a pixel; `None` beyond the window.
     pub fn at(&self, x: i64, y: i64) -> Option<Hit> {
-        let [(left, width), (top, height)] = self.window;
-        let (column, row) = (x - left, y - top);
-        let is_inside = (0..width as i64).contains(&column) && (0..height as i64).contains(&row);
-        is_inside.then(|| self.hits[row as usize * width + column as usize])?
+        self.nearest.at(x, y).map(|nearest| Hit {
+            depth_mm: nearest.depth,
+            triangle: nearest.item,
+        })
     }
 
     /// Returns the surface point (model frame, mm) at a pixel's centre.

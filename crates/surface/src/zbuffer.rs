@@ -4,12 +4,12 @@ use std::ops::Range;
 
 use scaleproof_core::geometry::{PlaneTriangle, Point2};
 
-/// What is nearest at a pixel.
+/// Nearest surface at a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nearest<T> {
     /// Distance from the viewer, in any unit that grows with it.
     pub depth: f64,
-    /// What the triangle was drawn with.
+    /// Value that the triangle was drawn with.
     pub item: T,
 }
 

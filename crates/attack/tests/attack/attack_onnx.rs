@@ -933,7 +933,7 @@ fn choices() -> Vec<Small> {
     found
 }
 
-/// What is made of the index of the largest or smallest number: itself looked up, compared, or as a place in a batch.
+/// Uses of the index of the largest or smallest number: looked up, compared, or as a place in a batch.
 fn extremes() -> Vec<Small> {
     use onnx::{step, whole_attribute as whole, whole_constant};
     let shape = [1, 2, 3, 4];

@@ -4,7 +4,7 @@
 //! lock is at work on it; the lock ends with the process. The next run that writes into the folder finishes it before anything else, or old
 //! files would take the places of newer ones later.
 //!
-//! A line of the note is `INODE CHANGED NAME`: the temporary file by its number and the time of its last change, which no program can choose. So a
+//! A line of the note is `INODE.CHANGED NAME`: the temporary file by its number and the time of its last change, which no program can choose. So a
 //! folder from elsewhere, whose files have other numbers and times here, makes this program rename nothing, and no note reaches out of its folder.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -52,7 +52,7 @@ const LONGEST_TURN: Duration = Duration::from_secs(10);
 /// Locks a folder. Returns `None` where folders have no locks.
 ///
 /// # Errors
-/// Another program holds the lock and does not let go of it.
+/// Another program keeps the lock.
 fn turn(folder: &Path) -> Result<Option<File>, FileError> {
     let Ok(file) = File::open(folder) else { return Ok(None) };
     let begin = Instant::now();
@@ -81,7 +81,7 @@ fn identity(path: &Path) -> Option<String> {
     let about = std::fs::symlink_metadata(path).ok()?;
     about
         .is_file()
-        .then(|| format!("{} {}.{:09}", about.ino(), about.ctime(), about.ctime_nsec()))
+        .then(|| format!("{}.{}.{}", about.ino(), about.ctime(), about.ctime_nsec()))
 }
 
 #[cfg(not(unix))]
@@ -181,9 +181,10 @@ fn finish(folder: &Path, note: File) {
         return;
     }
     for line in lines.lines() {
-        let Some((noted, temporary, name)) = noted(line) else {
+        let Some((noted, temporary)) = line.split_once(' ') else {
             continue;
         };
+        let Some(name) = name_of(temporary) else { continue };
         let (from, to) = (folder.join(temporary), folder.join(name));
         let is_same = identity(&from).is_some_and(|identity| identity == noted);
         // What came after the killed run stays.
@@ -191,14 +192,6 @@ fn finish(folder: &Path, note: File) {
             let _ = std::fs::rename(&from, &to);
         }
     }
-}
-
-/// Splits a line of a note into the file's identity, its temporary name and its own.
-fn noted(line: &str) -> Option<(&str, &str, &str)> {
-    let (inode, rest) = line.split_once(' ')?;
-    let (changed, temporary) = rest.split_once(' ')?;
-    let identity = &line[..inode.len() + 1 + changed.len()];
-    Some((identity, temporary, name_of(temporary)?))
 }
 
 /// Returns the time of the last change; `None`, which is before any time, for what is not there.

@@ -1,5 +1,6 @@
 //! Networks whose weights are learnt from samples.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use scaleproof_core::workers;
@@ -165,7 +166,7 @@ impl Network {
 
     /// The network's output for an image.
     pub fn output(&self, image: Vec<f32>) -> Vec<f32> {
-        owned(self.run(image, false).0)
+        owned(self.run(image, &self.last_uses(), false).0)
     }
 
     /// The sum over samples of a loss of the output for each one's image, and its derivatives by every list that is learnt, or by the image. `loss` gives
@@ -176,8 +177,9 @@ impl Network {
         image: impl Fn(&S) -> Vec<f32> + Sync,
         loss: impl Fn(&S, &[f32]) -> (f64, Vec<f32>) + Sync,
     ) -> (f64, Vec<Vec<f32>>) {
+        let last_uses = self.last_uses();
         let parts = workers::each(samples, |sample| {
-            let (output, tape) = self.run(image(sample), true);
+            let (output, tape) = self.run(image(sample), &last_uses, true);
             let (loss, gradient) = loss(sample, &output);
             (loss, self.back(gradient, tape))
         });
@@ -201,12 +203,16 @@ impl Network {
         self.steps.last().map_or(self.image.slot, |step| step.output)
     }
 
-    fn run(&self, image: Vec<f32>, keeps: bool) -> (Array, Tape<'_>) {
+    /// Returns for each step the slots that no later step reads.
+    fn last_uses(&self) -> Vec<BTreeSet<Slot>> {
+        last_uses(self.steps.iter().map(|step| &step.inputs[..]), [])
+    }
+
+    fn run(&self, image: Vec<f32>, last_uses: &[BTreeSet<Slot>], keeps: bool) -> (Array, Tape<'_>) {
         let mut values: Vec<Array> = vec![Array::default(); self.slots];
         values[self.image.slot] = Arc::new(image);
         let mut tape = Tape::with_capacity(self.steps.len());
-        let last_uses = last_uses(self.steps.iter().map(|step| &step.inputs[..]), []);
-        for (step, last_uses) in self.steps.iter().zip(&last_uses) {
+        for (step, last_uses) in self.steps.iter().zip(last_uses) {
             let inputs = step.inputs.iter().map(|slot| taken(&mut values, *slot, last_uses));
             let (output, back) = step.layer.forward(inputs.collect(), keeps);
             values[step.output] = output;
